@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace regraft::accel {
+
+enum class Policy : std::uint8_t { automatic, refit, rebuild };
+enum class Structure : std::uint8_t { automatic, bvh };
+enum class Layout : std::uint8_t { two_level, flat };
+
+struct UpdateOptions {
+  Policy policy = Policy::automatic;
+  Structure structure = Structure::automatic;
+  Layout layout = Layout::two_level;
+  /// Frames of the shot still to come; 0: unknown.
+  std::uint32_t frames_left = 0;
+};
+
+enum class TreeUpdate : std::uint8_t { none, refit, rebuild };
+
+/// What is known of one tree when its update is chosen.
+struct TreeState {
+  bool exists = false;
+  bool topology_changed = false;
+  bool moved = false;
+  /// SAH cost now over the cost right after the last build.
+  double cost_ratio = 1.0;
+};
+
+/// The one place where refit or rebuild is decided.
+TreeUpdate choose_update(const TreeState& tree, Policy policy);
+
+std::string_view name(Policy policy);
+std::string_view name(Layout layout);
+
+}  // namespace regraft::accel

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace regraft::accel {
+
+/// What an update did and what the trees are like after it; names as in docs/statistics.md.
+struct UpdateStatistics {
+  double update_ms = 0.0;
+  std::string policy;
+  std::string structure;
+  std::string layout;
+  std::uint64_t triangles = 0;  ///< seen by rays: counted once an instance
+  std::uint64_t instances = 0;
+  std::uint64_t moved_instances = 0;
+  std::uint64_t deformed_meshes = 0;
+  std::uint64_t deformed_triangles = 0;
+  std::uint64_t nodes = 0;
+  std::uint64_t nodes_refitted = 0;
+  std::uint64_t nodes_rebuilt = 0;
+  std::uint64_t pairs_considered = 0;
+  std::uint64_t pairs_restructured = 0;
+  double culling_efficiency = 0.0;
+  double cost_ratio = 1.0;
+  std::uint64_t kdtree_nodes = 0;
+  double kdtree_built_fraction = 0.0;
+  std::uint64_t memory_bytes = 0;
+  std::vector<std::string> left_out;
+  std::vector<std::string> warnings;
+};
+
+}  // namespace regraft::accel

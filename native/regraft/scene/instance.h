@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "regraft/core/vec.h"
+
+namespace regraft {
+
+/// A mesh placed in the world.
+struct Instance {
+  std::string name;
+  Mat4d object_to_world{1.0};
+  std::uint32_t mesh = invalid_id;
+  std::uint32_t group = invalid_id;
+  /// Index into `Scene::material_lists`: the materials of the mesh's slots.
+  std::uint32_t material_list = 0;
+  std::uint32_t object_index = 0;
+  bool visible = true;
+  bool alive = false;
+};
+
+/// A level of the scene's hierarchy; carries no transform.
+struct Group {
+  std::string name;
+  std::uint32_t parent = invalid_id;
+};
+
+}  // namespace regraft

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "regraft/core/aabb.h"
+#include "regraft/scene/change_set.h"
+#include "regraft/scene/instance.h"
+#include "regraft/scene/light.h"
+#include "regraft/scene/material.h"
+#include "regraft/scene/mesh.h"
+
+namespace regraft {
+
+/// New content of a mesh; spans are read during the call only.
+struct MeshData {
+  std::span<const Vec3> vertices;
+  std::span<const Triangle> triangles;
+  std::span<const std::uint16_t> slots;       ///< empty or one a triangle
+  std::span<const glm::uvec3> normal_ids;     ///< empty or one a triangle
+};
+
+/// What exists, by id, and what changed since it was last asked. Knows no trees.
+///
+/// Ids are small, dense and reused never while the scene lives. Every mutator checks its
+/// arguments and throws std::invalid_argument naming the thing before anything is changed.
+class Scene {
+ public:
+  std::uint32_t add_mesh(const MeshData& data, std::string name);
+  void set_vertices(std::uint32_t mesh, std::span<const Vec3> vertices);
+  void set_mesh(std::uint32_t mesh, const MeshData& data);
+  void remove_mesh(std::uint32_t mesh);
+
+  std::uint32_t add_group(std::uint32_t parent, std::string name);
+
+  /// Index of this list of material ids (one a slot); equal lists share an index.
+  std::uint32_t material_list(std::span<const std::uint32_t> ids);
+  std::uint32_t add_instance(Instance instance);
+  void set_transform(std::uint32_t instance, const Mat4d& object_to_world);
+  void set_visible(std::uint32_t instance, bool visible);
+  void set_material_list(std::uint32_t instance, std::uint32_t list);
+  void remove_instance(std::uint32_t instance);
+
+  void set_materials(std::vector<Material> materials) { materials_ = std::move(materials); }
+  void set_lights(std::vector<Light> lights) { lights_ = std::move(lights); }
+  void set_world(const Vec3& color) { world_ = color; }
+
+  std::span<const Mesh> meshes() const { return meshes_; }
+  std::span<const Instance> instances() const { return instances_; }
+  std::span<const Group> groups() const { return groups_; }
+  std::span<const Light> lights() const { return lights_; }
+  const Vec3& world() const { return world_; }
+  /// The material of a slot of an instance; the default one where none was given.
+  const Material& material(const Instance& instance, std::uint32_t slot) const;
+
+  const ChangeSet& changes() const { return changes_; }
+  /// Hands the changes over and starts anew.
+  ChangeSet take_changes();
+
+  std::size_t bytes() const;
+
+ private:
+  Mesh& checked_mesh(std::uint32_t id);
+  Instance& checked_instance(std::uint32_t id);
+
+  std::vector<Mesh> meshes_;
+  std::vector<Instance> instances_;
+  std::vector<Group> groups_;
+  std::vector<std::vector<std::uint32_t>> material_lists_{{}};
+  std::vector<Material> materials_;
+  std::vector<Light> lights_;
+  Vec3 world_{0.05f};
+  ChangeSet changes_;
+  /// Per id, what `changes_` already says of it.
+  std::vector<std::uint8_t> mesh_marks_;
+  std::vector<std::uint8_t> instance_marks_;
+};
+
+}  // namespace regraft
