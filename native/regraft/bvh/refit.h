@@ -1,0 +1,72 @@
+#pragma once
+
+#include <concepts>
+#include <vector>
+
+#include "regraft/bvh/bvh.h"
+#include "regraft/bvh/sah.h"
+#include "regraft/core/executor.h"
+
+namespace regraft::bvh {
+
+/// Returns the present box of a primitive.
+template <typename F>
+concept PrimitiveBounds = requires(const F& f, std::uint32_t prim_id) {
+  { f(prim_id) } -> std::convertible_to<Aabb>;
+};
+
+struct RefitResult {
+  std::uint64_t nodes = 0;
+  /// C(root) after the refit, as `sah_cost` computes it wherever areas are not zero.
+  double sah_cost = 0.0;
+};
+
+namespace detail {
+
+/// Nodes whose subtrees are refitted as one task, in index order; what is above them is left.
+std::vector<std::uint32_t> refit_frontier(const Bvh& bvh);
+
+struct RefitSum {
+  double cost = 0.0;
+  std::uint64_t nodes = 0;
+};
+
+template <PrimitiveBounds F>
+Aabb refit_subtree(Bvh& bvh, std::uint32_t index, const F& bounds, const CostModel& model,
+                   RefitSum& sum) {
+  Node& node = bvh.nodes[index];
+  Aabb box;
+  double tests = 1.0;
+  if (node.leaf()) {
+    for (std::uint32_t i = 0; i < node.count; ++i) box.extend(bounds(bvh.prim_ids[node.first + i]));
+    tests = node.count * model.leaf;
+  } else {
+    box = refit_subtree(bvh, node.first, bounds, model, sum);
+    box.extend(refit_subtree(bvh, node.first + 1, bounds, model, sum));
+  }
+  node.set_bounds(box);
+  sum.cost += tests * half_area(box);
+  ++sum.nodes;
+  return box;
+}
+
+RefitResult finish_refit(Bvh& bvh, const std::vector<std::uint32_t>& frontier,
+                         const std::vector<RefitSum>& sums, const CostModel& model);
+
+}  // namespace detail
+
+/// Recomputes every box from the leaves up, in parallel; the tree's shape stays. The same boxes
+/// and the same cost for any number of threads.
+template <PrimitiveBounds F>
+RefitResult refit(Bvh& bvh, const F& bounds, Executor& executor, const CostModel& model = {}) {
+  if (bvh.empty()) return {};
+  const std::vector<std::uint32_t> frontier = detail::refit_frontier(bvh);
+  std::vector<detail::RefitSum> sums(frontier.size());
+  executor.parallel_for(frontier.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      detail::refit_subtree(bvh, frontier[i], bounds, model, sums[i]);
+  });
+  return detail::finish_refit(bvh, frontier, sums, model);
+}
+
+}  // namespace regraft::bvh

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "regraft/bvh/bvh.h"
+#include "regraft/core/executor.h"
+
+namespace regraft::bvh {
+
+/// What a slot of a wide node refers to, in 32 bits: an inner node's index, or a leaf's range of
+/// `Bvh::prim_ids`.
+struct WideChild {
+  static constexpr std::uint32_t leaf_bit = 0x80000000u;
+  static constexpr std::uint32_t none = 0xFFFFFFFFu;
+  static constexpr std::uint32_t begin_bits = 27;
+  /// Leaves can start no later: trees over more primitives have no wide layout.
+  static constexpr std::uint32_t max_begin = (1u << begin_bits) - 1;
+
+  static std::uint32_t leaf(std::uint32_t begin, std::uint32_t count) {
+    return leaf_bit | (count - 1) << begin_bits | begin;
+  }
+  static bool is_leaf(std::uint32_t child) { return (child & leaf_bit) != 0; }
+  static std::uint32_t begin(std::uint32_t child) { return child & max_begin; }
+  static std::uint32_t count(std::uint32_t child) { return (child >> begin_bits & 15u) + 1; }
+};
+
+/// A node with the boxes of up to W children side by side. `bounds[k]` are the lower and
+/// `bounds[3 + k]` the upper planes on axis k. Unused slots come last, have empty boxes and
+/// child `none`.
+template <int W>
+struct alignas(64) WideNode {
+  float bounds[6][W];
+  std::uint32_t child[W];
+  /// The binary node behind each slot, from which a refit takes the box.
+  std::uint32_t source[W];
+};
+
+/// The layout that rays traverse (Wald, Benthin, Boulos, Getting Rid of Packets, RT 2008):
+/// derived from a binary tree, never edited by builders. Node 0 is the root.
+class WideBvh {
+ public:
+  /// Collapses the binary tree: the child of largest area is opened until `width` (4 or 8) slots
+  /// are full. Same layout for any number of threads.
+  static WideBvh derive(const Bvh& bvh, int width, Executor& executor);
+
+  /// Takes over the boxes of the binary tree, whose shape must be that of `derive`.
+  void refit(const Bvh& bvh, Executor& executor);
+
+  int width() const { return width_; }
+  std::size_t node_count() const { return width_ == 8 ? nodes8_.size() : nodes4_.size(); }
+  bool empty() const { return node_count() == 0; }
+  std::size_t bytes() const {
+    return nodes4_.capacity() * sizeof(WideNode<4>) + nodes8_.capacity() * sizeof(WideNode<8>);
+  }
+  template <int W>
+  const WideNode<W>* nodes() const;
+
+ private:
+  int width_ = 8;
+  AlignedVector<WideNode<4>> nodes4_;
+  AlignedVector<WideNode<8>> nodes8_;
+};
+
+template <>
+inline const WideNode<4>* WideBvh::nodes<4>() const {
+  return nodes4_.data();
+}
+template <>
+inline const WideNode<8>* WideBvh::nodes<8>() const {
+  return nodes8_.data();
+}
+
+}  // namespace regraft::bvh
