@@ -1,0 +1,72 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "regraft/trace/traverse_bvh.h"
+
+namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
+
+REGRAFT_INLINE WorldRay load_ray(const RayPacket& rays, std::uint32_t i) {
+  WorldRay ray;
+  for (int k = 0; k < 3; ++k) {
+    ray.origin[k] = rays.origin[k][i];
+    ray.direction[k] = rays.direction[k][i];
+  }
+  ray.t_near = rays.t_near[i];
+  ray.t_far = rays.t_far[i];
+  return ray;
+}
+
+REGRAFT_INLINE void store_hit(HitPacket& hits, std::uint32_t i, const Nearest& nearest) {
+  const bool miss = nearest.prim_id == 0xFFFFFFFFu;
+  hits.t[i] = miss ? infinity : nearest.t;
+  hits.u[i] = nearest.u;
+  hits.v[i] = nearest.v;
+  hits.instance_id[i] = nearest.instance_id;
+  hits.prim_id[i] = nearest.prim_id;
+}
+
+REGRAFT_INLINE void count(TraceCounters& counters, const Work& work) {
+  ++counters.rays;
+  counters.nodes_visited += work.nodes;
+  counters.triangle_tests += work.tests;
+}
+
+/// Whole rays, one after the other.
+template <int W>
+struct Single {
+  template <bool AnyHit>
+  static Nearest trace(const TraceView& view, const WorldRay& ray, Work& work) {
+    Nearest nearest{ray.t_far, 0xFFFFFFFFu, 0xFFFFFFFFu, 0.0f, 0.0f};
+    if (view.top_nodes != nullptr && valid(ray))
+      trace_top<W, AnyHit>(view, ray, make_top(view, ray), 0, nearest, work);
+    return nearest;
+  }
+
+  static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,
+                          TraceCounters& counters, std::uint32_t* cost) {
+    for (std::uint64_t todo = rays.active; todo != 0; todo &= todo - 1) {
+      const auto i = std::uint32_t(std::countr_zero(todo));
+      Work work;
+      store_hit(hits, i, trace<false>(view, load_ray(rays, i), work));
+      if (cost != nullptr) cost[i] = work.nodes + work.tests;
+      count(counters, work);
+    }
+  }
+
+  static std::uint64_t any_hit(const TraceView& view, const RayPacket& rays,
+                               TraceCounters& counters) {
+    std::uint64_t occluded = 0;
+    for (std::uint64_t todo = rays.active; todo != 0; todo &= todo - 1) {
+      const auto i = std::uint32_t(std::countr_zero(todo));
+      Work work;
+      const Nearest nearest = trace<true>(view, load_ray(rays, i), work);
+      occluded |= std::uint64_t(nearest.prim_id != 0xFFFFFFFFu) << i;
+      count(counters, work);
+    }
+    return occluded;
+  }
+};
+
+}  // namespace regraft::trace::REGRAFT_SIMD_NAMESPACE

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+
+namespace regraft::trace {
+
+/// What kernels read of a mesh: raw arrays owned by `Scene` and `Accelerator`.
+struct MeshView {
+  const float* vertices = nullptr;           ///< packed x, y, z; object space
+  const std::uint32_t* triangles = nullptr;  ///< packed corner indices
+  const void* nodes = nullptr;               ///< bvh::WideNode<width>[]; null: nothing to hit
+  const std::uint32_t* prim_ids = nullptr;
+  float magnitude = 0.0f;  ///< largest |coordinate| of the root's box
+  double center[3]{};      ///< of the root's box
+  double radius = 0.0;     ///< half its diagonal
+};
+
+/// A mesh placed in the world.
+struct InstanceView {
+  double world_to_object[12]{};  ///< row-major 3×4
+  MeshView mesh;
+  float lo[3]{};  ///< box in the coordinates of the top tree
+  float hi[3]{};
+  std::uint32_t instance_id = 0;
+  bool identity = false;
+};
+
+/// A primitive of the flat layout's one tree.
+struct FlatPrim {
+  std::uint32_t instance;  ///< index into `TraceView::instances`
+  std::uint32_t prim_id;
+};
+
+/// Everything a query reads; constant while rays are traced.
+///
+/// A hit is defined by (ray, instance, triangle) alone: the ray is taken to object space in
+/// double, rounded to float once, and tested there. Trees only leave out what cannot be hit, so
+/// every layout, policy and instruction set gives the same bits.
+struct TraceView {
+  int width = 8;                             ///< slots of every wide node
+  const void* top_nodes = nullptr;           ///< null: empty scene
+  const std::uint32_t* top_prims = nullptr;  ///< instance indices, or indices into `flat`
+  const FlatPrim* flat = nullptr;            ///< null: two-level
+  const InstanceView* instances = nullptr;
+  std::uint32_t instance_count = 0;
+  /// Subtracted from world positions before they are rounded to the top tree's floats (N5).
+  double scene_origin[3]{};
+  float magnitude = 0.0f;  ///< largest |coordinate| of the top tree's box
+};
+
+}  // namespace regraft::trace
