@@ -1,0 +1,42 @@
+"""The front of the `regraft` command: its parser, and how errors become exit codes."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+
+import regraft
+from regraft.cli import render
+from regraft.cli.console import Console, start_logging
+from regraft.cli.errors import CommandError
+
+EXIT_CODES = """exit codes: 0 all asked for is there; 1 a self-check failed; 2 usage;
+3 bad or unreadable input; 4 output could not be written; 130 interrupted"""
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The whole command line."""
+    parser = argparse.ArgumentParser(
+        prog="regraft",
+        description="Ray-traced previews of animations, from trees that live through the shot.",
+        epilog=EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"regraft {regraft.__version__}")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    for command in (render,):
+        command.add_parser(commands)
+    return parser
+
+
+def run(arguments: Sequence[str] | None) -> int:
+    """Exit code of the command; argparse itself exits with 2 on a wrong command line."""
+    args = build_parser().parse_args(arguments)
+    console = Console()
+    start_logging(getattr(args, "verbose", False))
+    try:
+        code: int = args.run(args, console)
+    except CommandError as error:
+        console.error(str(error))
+        return error.exit_code
+    return code

@@ -1,0 +1,37 @@
+"""The last lines of a render: what a frame cost, and what it did not need."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from statistics import median
+from typing import Any
+
+STAGES = ("evaluate", "extract", "update", "trace", "shade", "write", "total")
+_MOST_LEFT_OUT = 4
+
+
+def frame_line(row: dict[str, Any], name: str) -> str:
+    """One frame in one line."""
+    cost = ", ".join(f"{stage} {row.get(f'{stage}_ms') or 0.0:.0f}" for stage in STAGES[:-1])
+    return f"{name}: {row.get('total_ms') or 0.0:.0f} ms ({cost})"
+
+
+def summarise(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """Two lines: median milliseconds a frame by stage, and what was left out."""
+    if not rows:
+        return []
+    medians = " | ".join(f"{stage} {_median(rows, stage):.1f}" for stage in STAGES)
+    return [f"median ms a frame: {medians}", f"left out: {_left_out(rows)}"]
+
+
+def _median(rows: Sequence[dict[str, Any]], stage: str) -> float:
+    return median(row.get(f"{stage}_ms") or 0.0 for row in rows)
+
+
+def _left_out(rows: Sequence[dict[str, Any]]) -> str:
+    counts = Counter(words for row in rows for words in row.get("left_out") or ())
+    if not counts:
+        return "nothing"
+    common = counts.most_common(_MOST_LEFT_OUT)
+    return "; ".join(f"{words} ({n} of {len(rows)} frames)" for words, n in common)

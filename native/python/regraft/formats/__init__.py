@@ -1,0 +1,1 @@
+"""Files the command writes: images, movies, JSON lines, all or nothing."""
