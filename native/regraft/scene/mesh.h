@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,24 @@ struct Mesh {
   std::uint32_t instance_count = 0;
   bool alive = false;
 
+  /// Of the arrays, with what they have in reserve.
   std::size_t bytes() const;
 };
+
+/// `mesh 3 "Cube"`, as error messages call it.
+std::string label(const Mesh& mesh, std::uint32_t id);
+
+/// New content of a mesh; the spans are read during the call only.
+struct MeshData {
+  std::span<const Vec3> vertices;
+  std::span<const Triangle> triangles;
+  std::span<const std::uint16_t> slots;    ///< empty or one a triangle
+  std::span<const glm::uvec3> normal_ids;  ///< empty or one a triangle
+};
+
+/// How many shading normals `data` names. Throws std::invalid_argument, calling the mesh `label`,
+/// if counts do not agree or an index or normal id is out of range.
+std::uint32_t check_mesh_data(const MeshData& data, const std::string& label);
 
 /// Box of triangle `t`; empty if a vertex is not finite (such a triangle cannot be hit).
 Aabb triangle_bounds(const Mesh& mesh, std::uint32_t t);
