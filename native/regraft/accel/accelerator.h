@@ -11,6 +11,16 @@
 
 namespace regraft::accel {
 
+/// See `Accelerator::quality`. Costs in units of one ray/box test, for a ray that hits the scene.
+struct Quality {
+  double sah_cost = 0.0;
+  double culling_efficiency = 0.0;
+  double epo = 0.0;
+  double cost_ratio = 1.0;
+  std::uint32_t depth = 0;
+  std::uint64_t bytes = 0;
+};
+
 /// Keeps the trees of a scene up to date and shows them to the tracer. Does not shade.
 class Accelerator {
  public:
@@ -19,9 +29,10 @@ class Accelerator {
   Accelerator(Accelerator&&) noexcept;
   Accelerator& operator=(Accelerator&&) noexcept;
 
-  /// Brings every tree in line with `scene`, given what changed since the last call.
+  /// Brings every tree in line with `scene`, given what changed since the last call. `width`:
+  /// slots of the wide nodes, as the kernels want them.
   UpdateStatistics update(const Scene& scene, const ChangeSet& changes,
-                          const UpdateOptions& options, Executor& executor);
+                          const UpdateOptions& options, int width, Executor& executor);
 
   /// Valid until the next `update`.
   const trace::TraceView& view() const;
@@ -29,8 +40,17 @@ class Accelerator {
   /// World box of what can be hit, double; lo > hi when there is nothing.
   std::pair<Vec3d, Vec3d> world_bounds() const;
 
-  /// Shading normals of a mesh by normal id, object space; empty for a flat mesh.
+  /// Brings the shading normals of the meshes that changed since the last call up to date.
+  /// Called before shading, not by `update`: queries do not need them.
+  void update_shading_normals(const Scene& scene, Executor& executor);
+
+  /// Shading normals of a mesh by normal id, object space, as of `update_shading_normals`; empty
+  /// for a flat mesh.
   std::span<const Vec3> shading_normals(std::uint32_t mesh) const;
+
+  /// How good the trees are, by the names of `regraft.Scene.quality`. `fresh`: also build every
+  /// tree anew, beside the present ones, to compare with.
+  Quality quality(const Scene& scene, bool fresh, Executor& executor) const;
 
   /// For tests and studies: every tree checked, the first violation in words or "".
   std::string validate(const Scene& scene) const;

@@ -19,6 +19,10 @@ struct UpdateOptions {
 
 enum class TreeUpdate : std::uint8_t { none, refit, rebuild };
 
+/// `auto` rebuilds a tree whose SAH cost has grown by this factor since its last build: about
+/// where a frame's extra tests cost as much as the build that would save them.
+inline constexpr double worn_out = 1.3;
+
 /// What is known of one tree when its update is chosen.
 struct TreeState {
   bool exists = false;

@@ -83,8 +83,7 @@ class Build {
 
   /// Splits down to task size; returns what is left to do, in index order of its nodes.
   std::vector<Open> build_top(AlignedVector<Node>& nodes, const Range& root) {
-    const std::size_t task_size =
-        std::max<std::size_t>(config_.task_size, ids_.size() / 64);
+    const std::size_t task_size = std::max<std::size_t>(config_.task_size, ids_.size() / 64);
     nodes.resize(2);
     std::vector<Open> tasks;
     std::vector<Open> open{{0, root}};
@@ -164,15 +163,15 @@ class Build {
   bool split(const Range& range, Range& left, Range& right) {
     const std::uint32_t n = range.size();
     if (n == 1) return false;
-    if (running_out_of_depth(range)) return n > config_.max_leaf && median_split(range, left, right);
+    if (running_out_of_depth(range))
+      return n > config_.max_leaf && median_split(range, left, right);
     const BinMapping mapping(range.centroids);
     BinSet bins;
     bin(range, mapping, bins);
     const Split best = best_split(bins, mapping);
     const double area = half_area(range.bounds);
     const double leaf_cost = n * config_.cost.leaf;
-    const double split_cost =
-        area > 0.0 ? 1.0 + config_.cost.leaf * best.cost / area : leaf_cost;
+    const double split_cost = area > 0.0 ? 1.0 + config_.cost.leaf * best.cost / area : leaf_cost;
     if (n <= config_.max_leaf && !(split_cost < leaf_cost)) return false;
     if (best.axis < 0) return n > config_.max_leaf && median_split(range, left, right);
     const Partitioned parts = partition(range, mapping, best);
@@ -257,8 +256,7 @@ class Build {
     }
     executor_.parallel_for(refs.size(), chunk, [&](std::size_t begin, std::size_t end) {
       std::size_t l = left_at[begin / chunk], r = right_at[begin / chunk];
-      for (std::size_t i = begin; i < end; ++i)
-        scratch_[goes_left(refs[i]) ? l++ : r++] = refs[i];
+      for (std::size_t i = begin; i < end; ++i) scratch_[goes_left(refs[i]) ? l++ : r++] = refs[i];
     });
     executor_.parallel_for(refs.size(), chunk, [&](std::size_t begin, std::size_t end) {
       std::copy(scratch_.begin() + std::ptrdiff_t(begin), scratch_.begin() + std::ptrdiff_t(end),
@@ -274,8 +272,8 @@ class Build {
                      : extents.y >= extents.z                         ? 1
                                                                       : 2;
     const std::uint32_t middle = range.begin + range.size() / 2;
-    std::nth_element(refs_.begin() + range.begin, refs_.begin() + middle,
-                     refs_.begin() + range.end, [axis](const PrimRef& a, const PrimRef& b) {
+    std::nth_element(refs_.begin() + range.begin, refs_.begin() + middle, refs_.begin() + range.end,
+                     [axis](const PrimRef& a, const PrimRef& b) {
                        const float ca = a.centroid(axis), cb = b.centroid(axis);
                        return ca != cb ? ca < cb : a.id < b.id;
                      });

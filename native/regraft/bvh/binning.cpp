@@ -13,7 +13,8 @@ void sweep_axis(const BinSet& bins, int axis, Split& best) {
     box.extend(bins.box[axis][i]);
     count += bins.count[axis][i];
     right_box[std::size_t(i)] = box.aabb();
-    right_cost[std::size_t(i)] = count == 0 ? -1.0 : half_area(right_box[std::size_t(i)]) * double(count);
+    right_cost[std::size_t(i)] =
+        count == 0 ? -1.0 : half_area(right_box[std::size_t(i)]) * double(count);
   }
   box = Box4{};
   count = 0;

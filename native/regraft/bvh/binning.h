@@ -107,7 +107,7 @@ struct BinSet {
 /// The cheapest plane between two bins, or none (`axis` < 0).
 struct Split {
   int axis = -1;
-  int bin = 0;  ///< bins below it go left
+  int bin = 0;                                            ///< bins below it go left
   double cost = std::numeric_limits<double>::infinity();  ///< Σ area·count of both sides
   Aabb left, right;
 };

@@ -21,7 +21,8 @@ class Validator {
     if (depth > max_depth) return fail(index, "is too deep");
     const Node& node = bvh_.nodes[index];
     const Aabb box = node.leaf() ? leaf_box(index) : inner_box(index, depth);
-    if (error_.empty() && !(box == node.bounds())) return fail(index, "has a box that is not tight");
+    if (error_.empty() && !(box == node.bounds()))
+      return fail(index, "has a box that is not tight");
     return box;
   }
 

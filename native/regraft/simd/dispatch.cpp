@@ -6,10 +6,8 @@
 namespace regraft::simd {
 
 namespace {
-constexpr std::array<std::pair<Isa, std::string_view>, 4> names{{{Isa::scalar, "scalar"},
-                                                                 {Isa::sse, "sse"},
-                                                                 {Isa::avx2, "avx2"},
-                                                                 {Isa::avx512, "avx512"}}};
+constexpr std::array<std::pair<Isa, std::string_view>, 4> names{
+    {{Isa::scalar, "scalar"}, {Isa::sse, "sse"}, {Isa::avx2, "avx2"}, {Isa::avx512, "avx512"}}};
 }
 
 std::vector<Isa> available_isas() {
@@ -25,9 +23,13 @@ std::vector<Isa> available_isas() {
   return isas;
 }
 
-Isa best_isa() { return available_isas().back(); }
+Isa best_isa() {
+  return available_isas().back();
+}
 
-std::string_view name(Isa isa) { return names[std::size_t(isa)].second; }
+std::string_view name(Isa isa) {
+  return names[std::size_t(isa)].second;
+}
 
 std::optional<Isa> parse_isa(std::string_view text) {
   for (const auto& [isa, isa_name] : names)

@@ -52,12 +52,12 @@ struct Float {
   }
 };
 
-#define REGRAFT_LANEWISE(op)                                                       \
-  template <int N>                                                                 \
-  REGRAFT_INLINE Float<N> operator op(const Float<N>& a, const Float<N>& b) {      \
-    Float<N> r;                                                                    \
-    for (int i = 0; i < N; ++i) r.lane[i] = a.lane[i] op b.lane[i];                \
-    return r;                                                                      \
+#define REGRAFT_LANEWISE(op)                                                  \
+  template <int N>                                                            \
+  REGRAFT_INLINE Float<N> operator op(const Float<N>& a, const Float<N>& b) { \
+    Float<N> r;                                                               \
+    for (int i = 0; i < N; ++i) r.lane[i] = a.lane[i] op b.lane[i];           \
+    return r;                                                                 \
   }
 REGRAFT_LANEWISE(+)
 REGRAFT_LANEWISE(-)
@@ -65,12 +65,12 @@ REGRAFT_LANEWISE(*)
 REGRAFT_LANEWISE(/)
 #undef REGRAFT_LANEWISE
 
-#define REGRAFT_COMPARE(op)                                                        \
-  template <int N>                                                                 \
-  REGRAFT_INLINE LaneBits operator op(const Float<N>& a, const Float<N>& b) {      \
-    LaneBits r = 0;                                                                \
-    for (int i = 0; i < N; ++i) r |= LaneBits(a.lane[i] op b.lane[i]) << i;        \
-    return r;                                                                      \
+#define REGRAFT_COMPARE(op)                                                   \
+  template <int N>                                                            \
+  REGRAFT_INLINE LaneBits operator op(const Float<N>& a, const Float<N>& b) { \
+    LaneBits r = 0;                                                           \
+    for (int i = 0; i < N; ++i) r |= LaneBits(a.lane[i] op b.lane[i]) << i;   \
+    return r;                                                                 \
   }
 REGRAFT_COMPARE(<)
 REGRAFT_COMPARE(<=)
@@ -100,10 +100,18 @@ struct Float<4> {
   static REGRAFT_INLINE Float load(const float* p) { return _mm_loadu_ps(p); }
   REGRAFT_INLINE void store(float* p) const { _mm_storeu_ps(p, v); }
 };
-REGRAFT_INLINE Float<4> operator+(Float<4> a, Float<4> b) { return _mm_add_ps(a.v, b.v); }
-REGRAFT_INLINE Float<4> operator-(Float<4> a, Float<4> b) { return _mm_sub_ps(a.v, b.v); }
-REGRAFT_INLINE Float<4> operator*(Float<4> a, Float<4> b) { return _mm_mul_ps(a.v, b.v); }
-REGRAFT_INLINE Float<4> operator/(Float<4> a, Float<4> b) { return _mm_div_ps(a.v, b.v); }
+REGRAFT_INLINE Float<4> operator+(Float<4> a, Float<4> b) {
+  return _mm_add_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<4> operator-(Float<4> a, Float<4> b) {
+  return _mm_sub_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<4> operator*(Float<4> a, Float<4> b) {
+  return _mm_mul_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<4> operator/(Float<4> a, Float<4> b) {
+  return _mm_div_ps(a.v, b.v);
+}
 REGRAFT_INLINE LaneBits operator<(Float<4> a, Float<4> b) {
   return LaneBits(_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)));
 }
@@ -113,8 +121,12 @@ REGRAFT_INLINE LaneBits operator<=(Float<4> a, Float<4> b) {
 REGRAFT_INLINE LaneBits operator==(Float<4> a, Float<4> b) {
   return LaneBits(_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v)));
 }
-REGRAFT_INLINE Float<4> min(Float<4> a, Float<4> b) { return _mm_min_ps(a.v, b.v); }
-REGRAFT_INLINE Float<4> max(Float<4> a, Float<4> b) { return _mm_max_ps(a.v, b.v); }
+REGRAFT_INLINE Float<4> min(Float<4> a, Float<4> b) {
+  return _mm_min_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<4> max(Float<4> a, Float<4> b) {
+  return _mm_max_ps(a.v, b.v);
+}
 #endif
 
 #if defined(__AVX2__) && !defined(REGRAFT_SIMD_SCALAR)
@@ -127,10 +139,18 @@ struct Float<8> {
   static REGRAFT_INLINE Float load(const float* p) { return _mm256_loadu_ps(p); }
   REGRAFT_INLINE void store(float* p) const { _mm256_storeu_ps(p, v); }
 };
-REGRAFT_INLINE Float<8> operator+(Float<8> a, Float<8> b) { return _mm256_add_ps(a.v, b.v); }
-REGRAFT_INLINE Float<8> operator-(Float<8> a, Float<8> b) { return _mm256_sub_ps(a.v, b.v); }
-REGRAFT_INLINE Float<8> operator*(Float<8> a, Float<8> b) { return _mm256_mul_ps(a.v, b.v); }
-REGRAFT_INLINE Float<8> operator/(Float<8> a, Float<8> b) { return _mm256_div_ps(a.v, b.v); }
+REGRAFT_INLINE Float<8> operator+(Float<8> a, Float<8> b) {
+  return _mm256_add_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<8> operator-(Float<8> a, Float<8> b) {
+  return _mm256_sub_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<8> operator*(Float<8> a, Float<8> b) {
+  return _mm256_mul_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<8> operator/(Float<8> a, Float<8> b) {
+  return _mm256_div_ps(a.v, b.v);
+}
 REGRAFT_INLINE LaneBits operator<(Float<8> a, Float<8> b) {
   return LaneBits(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)));
 }
@@ -140,8 +160,12 @@ REGRAFT_INLINE LaneBits operator<=(Float<8> a, Float<8> b) {
 REGRAFT_INLINE LaneBits operator==(Float<8> a, Float<8> b) {
   return LaneBits(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ)));
 }
-REGRAFT_INLINE Float<8> min(Float<8> a, Float<8> b) { return _mm256_min_ps(a.v, b.v); }
-REGRAFT_INLINE Float<8> max(Float<8> a, Float<8> b) { return _mm256_max_ps(a.v, b.v); }
+REGRAFT_INLINE Float<8> min(Float<8> a, Float<8> b) {
+  return _mm256_min_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<8> max(Float<8> a, Float<8> b) {
+  return _mm256_max_ps(a.v, b.v);
+}
 #endif
 
 #if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__) && \
@@ -155,10 +179,18 @@ struct Float<16> {
   static REGRAFT_INLINE Float load(const float* p) { return _mm512_loadu_ps(p); }
   REGRAFT_INLINE void store(float* p) const { _mm512_storeu_ps(p, v); }
 };
-REGRAFT_INLINE Float<16> operator+(Float<16> a, Float<16> b) { return _mm512_add_ps(a.v, b.v); }
-REGRAFT_INLINE Float<16> operator-(Float<16> a, Float<16> b) { return _mm512_sub_ps(a.v, b.v); }
-REGRAFT_INLINE Float<16> operator*(Float<16> a, Float<16> b) { return _mm512_mul_ps(a.v, b.v); }
-REGRAFT_INLINE Float<16> operator/(Float<16> a, Float<16> b) { return _mm512_div_ps(a.v, b.v); }
+REGRAFT_INLINE Float<16> operator+(Float<16> a, Float<16> b) {
+  return _mm512_add_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<16> operator-(Float<16> a, Float<16> b) {
+  return _mm512_sub_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<16> operator*(Float<16> a, Float<16> b) {
+  return _mm512_mul_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<16> operator/(Float<16> a, Float<16> b) {
+  return _mm512_div_ps(a.v, b.v);
+}
 REGRAFT_INLINE LaneBits operator<(Float<16> a, Float<16> b) {
   return _mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ);
 }
@@ -168,8 +200,12 @@ REGRAFT_INLINE LaneBits operator<=(Float<16> a, Float<16> b) {
 REGRAFT_INLINE LaneBits operator==(Float<16> a, Float<16> b) {
   return _mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ);
 }
-REGRAFT_INLINE Float<16> min(Float<16> a, Float<16> b) { return _mm512_min_ps(a.v, b.v); }
-REGRAFT_INLINE Float<16> max(Float<16> a, Float<16> b) { return _mm512_max_ps(a.v, b.v); }
+REGRAFT_INLINE Float<16> min(Float<16> a, Float<16> b) {
+  return _mm512_min_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<16> max(Float<16> a, Float<16> b) {
+  return _mm512_max_ps(a.v, b.v);
+}
 #endif
 
 template <int N>

@@ -17,6 +17,17 @@ REGRAFT_INLINE __m128 load3(const float* p) {
 }
 #endif
 
+/// One point (x, y, z, 0), reading no byte beyond it.
+REGRAFT_INLINE Float<4> load_point(const float* p) {
+#if defined(__SSE2__) && !defined(REGRAFT_SIMD_SCALAR)
+  return load3(p);
+#else
+  Float<4> r(0.0f);
+  for (int k = 0; k < 3; ++k) r.lane[k] = p[k];
+  return r;
+#endif
+}
+
 /// Points `points[3·index[i]]` of a packed x, y, z array.
 REGRAFT_INLINE Points4 gather_points(const float* points, const std::uint32_t* index) {
 #if defined(__SSE2__) && !defined(REGRAFT_SIMD_SCALAR)

@@ -36,7 +36,8 @@ struct SlabRay {
 REGRAFT_INLINE void set_slabs(SlabRay& ray, const float* origin, const float* direction,
                               float magnitude) {
   float largest = magnitude;
-  for (int k = 0; k < 3; ++k) largest = std::fabs(origin[k]) > largest ? std::fabs(origin[k]) : largest;
+  for (int k = 0; k < 3; ++k)
+    largest = std::fabs(origin[k]) > largest ? std::fabs(origin[k]) : largest;
   const float slack = box_slack * largest;
   for (int k = 0; k < 3; ++k) {
     const bool negative = std::signbit(direction[k]);
@@ -86,7 +87,8 @@ struct LocalFrame {
   double direction[3];
 };
 
-REGRAFT_INLINE LocalFrame to_object(const InstanceView& instance, const double* o, const double* d) {
+REGRAFT_INLINE LocalFrame to_object(const InstanceView& instance, const double* o,
+                                    const double* d) {
   LocalFrame r;
   if (instance.identity) {
     for (int k = 0; k < 3; ++k) {
@@ -184,7 +186,8 @@ REGRAFT_INLINE float local_limit(const LocalRay& ray, float t) {
 REGRAFT_INLINE float local_start(const LocalRay& ray) {
   if (!ray.remapped) return ray.t_near;
   const double down = double(std::nextafter(ray.t_near, -std::numeric_limits<float>::infinity()));
-  return std::nextafter(float((down - ray.t0) / ray.scale), -std::numeric_limits<float>::infinity());
+  return std::nextafter(float((down - ray.t0) / ray.scale),
+                        -std::numeric_limits<float>::infinity());
 }
 
 REGRAFT_INLINE float world_t(const LocalRay& ray, float t) {

@@ -83,7 +83,8 @@ REGRAFT_INLINE void walk(const WideNode<W>* nodes, std::uint32_t root, const Sla
 /// Tests primitives of one mesh, four at a time; returns true if `AnyHit` and something was hit.
 template <bool AnyHit>
 REGRAFT_INLINE bool test_prims(const LocalRay& ray, const InstanceView& instance,
-                               const std::uint32_t* prims, int count, Nearest& nearest, Work& work) {
+                               const std::uint32_t* prims, int count, Nearest& nearest,
+                               Work& work) {
   bool found = false;
   for (int i = 0; i < count && !(AnyHit && found); i += 4) {
     const int n = count - i < 4 ? count - i : 4;
@@ -144,8 +145,8 @@ REGRAFT_INLINE bool valid(const WorldRay& ray) {
 
 /// Flat layout: a leaf's primitives may be of several instances; runs of one share a local ray.
 template <bool AnyHit>
-REGRAFT_INLINE bool test_flat_leaf(const TraceView& view, const WorldRay& world,
-                                   const SlabRay& top, std::uint32_t begin, std::uint32_t count,
+REGRAFT_INLINE bool test_flat_leaf(const TraceView& view, const WorldRay& world, const SlabRay& top,
+                                   std::uint32_t begin, std::uint32_t count,
                                    std::uint32_t& local_of, bool& enters, LocalRay& local,
                                    Nearest& nearest, Work& work) {
   std::uint32_t prims[bvh::max_leaf_size];

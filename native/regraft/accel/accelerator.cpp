@@ -1,0 +1,231 @@
+#include "regraft/accel/accelerator.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "regraft/accel/accelerator_state.h"
+
+namespace regraft::accel {
+
+namespace {
+
+/// Meshes below this are updated side by side, one thread each; larger ones one after the other,
+/// all threads together.
+constexpr std::size_t shared_size = 32768;
+
+std::string mesh_label(const Mesh& mesh, std::uint32_t id) {
+  return "mesh " + std::to_string(id) + (mesh.name.empty() ? "" : " '" + mesh.name + "'");
+}
+
+}  // namespace
+
+Accelerator::Accelerator() : state_(std::make_unique<State>()) {}
+Accelerator::~Accelerator() = default;
+Accelerator::Accelerator(Accelerator&&) noexcept = default;
+Accelerator& Accelerator::operator=(Accelerator&&) noexcept = default;
+
+void Accelerator::State::mark(std::uint32_t mesh, Pending what) {
+  pending[mesh] = std::max(pending[mesh], what);
+  pending_normals[mesh] = std::max(pending_normals[mesh], what);
+}
+
+void Accelerator::State::note(const ChangeSet& changes, std::size_t mesh_count) {
+  blases.resize(mesh_count);
+  normals.resize(mesh_count);
+  pending.resize(mesh_count, Pending::none);
+  pending_normals.resize(mesh_count, Pending::none);
+  for (const std::uint32_t id : changes.removed_meshes) {
+    blases[id] = {};
+    normals[id] = {};
+    pending[id] = pending_normals[id] = Pending::none;
+  }
+  for (const std::uint32_t id : changes.added_meshes) mark(id, Pending::topology);
+  for (const std::uint32_t id : changes.retopologised_meshes) mark(id, Pending::topology);
+  for (const std::uint32_t id : changes.deformed_meshes) mark(id, Pending::deformed);
+}
+
+std::vector<std::uint8_t> Accelerator::State::seen_meshes(const Scene& scene) const {
+  std::vector<std::uint8_t> seen(scene.meshes().size(), 0);
+  for (const Instance& instance : scene.instances())
+    if (instance.alive && instance.visible) seen[instance.mesh] = 1;
+  return seen;
+}
+
+TreeWork Accelerator::State::update_meshes(const Scene& scene, std::span<const std::uint32_t> todo,
+                                           Policy policy, int width, Executor& executor) {
+  std::vector<TreeWork> work(todo.size());
+  const auto update_one = [&](std::size_t i) {
+    const std::uint32_t id = todo[i];
+    work[i] = blases[id].update(scene.meshes()[id], pending[id] == Pending::topology, policy, width,
+                                executor);
+    pending[id] = Pending::none;
+  };
+  std::vector<std::size_t> small;
+  for (std::size_t i = 0; i < todo.size(); ++i) {
+    if (scene.meshes()[todo[i]].triangles.size() < shared_size)
+      small.push_back(i);
+    else
+      update_one(i);
+  }
+  executor.parallel_for(small.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) update_one(small[i]);
+  });
+  TreeWork sum;
+  for (const TreeWork& w : work) {
+    sum.nodes_refitted += w.nodes_refitted;
+    sum.nodes_rebuilt += w.nodes_rebuilt;
+  }
+  return sum;
+}
+
+void Accelerator::State::warn_of_dropped(const Scene& scene) {
+  mesh_warnings.clear();
+  std::uint64_t zero_area = 0;
+  for (std::uint32_t id = 0; id < blases.size(); ++id) {
+    zero_area += blases[id].zero_area();
+    if (blases[id].non_finite() != 0)
+      mesh_warnings.push_back(mesh_label(scene.meshes()[id], id) + ": " +
+                              std::to_string(blases[id].non_finite()) +
+                              " triangles with non-finite vertices left out");
+  }
+  if (zero_area != 0)
+    mesh_warnings.push_back(std::to_string(zero_area) + " triangles of zero area left out");
+}
+
+void Accelerator::State::count(const Scene& scene, UpdateStatistics& s) const {
+  s.nodes = tlas.bvh().node_count();
+  for (const trace::InstanceView& v : instances.views())
+    s.triangles += scene.meshes()[scene.instances()[v.instance_id].mesh].triangles.size();
+  s.instances = instances.views().size();
+  s.memory_bytes = scene.bytes() + instances.bytes() + tlas.bytes();
+  for (std::size_t id = 0; id < blases.size(); ++id) {
+    s.nodes += blases[id].bvh().node_count();
+    s.memory_bytes += blases[id].bytes() + normals[id].bytes();
+  }
+  s.culling_efficiency = tlas.sah_cost(instances);
+  const double built = tlas.built_cost(instances);
+  s.cost_ratio = built > 0.0 ? s.culling_efficiency / built : 1.0;
+}
+
+void Accelerator::State::list_left_out(const Scene& scene, const ChangeSet& changes,
+                                       std::size_t updated, std::size_t hidden,
+                                       UpdateStatistics& s) const {
+  std::size_t alive = 0;
+  for (const Mesh& mesh : scene.meshes()) alive += mesh.alive;
+  if (alive > updated + hidden)
+    s.left_out.push_back(std::to_string(alive - updated - hidden) + " of " + std::to_string(alive) +
+                         " meshes unchanged: their trees not touched");
+  if (hidden != 0)
+    s.left_out.push_back(std::to_string(hidden) + " changed meshes hidden: not updated");
+  if (changes.deformed_meshes.empty() && changes.retopologised_meshes.empty() &&
+      changes.added_meshes.empty())
+    s.left_out.emplace_back("no deformation: no refit of meshes");
+}
+
+UpdateStatistics Accelerator::State::unchanged(const UpdateOptions& options) const {
+  UpdateStatistics s = last;
+  s.policy = name(options.policy);
+  s.update_ms = 0.0;
+  s.moved_instances = s.deformed_meshes = s.deformed_triangles = 0;
+  s.nodes_refitted = s.nodes_rebuilt = s.pairs_considered = s.pairs_restructured = 0;
+  s.left_out = {"nothing changed: no update"};
+  return s;
+}
+
+UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& changes,
+                                     const UpdateOptions& options, int width, Executor& executor) {
+  const auto start = std::chrono::steady_clock::now();
+  State& state = *state_;
+  if (changes.empty() && options.layout == state.last_options.layout && width == state.last_width)
+    return state.unchanged(options);
+  state.note(changes, scene.meshes().size());
+  const std::vector<std::uint8_t> seen = state.seen_meshes(scene);
+  std::vector<std::uint32_t> todo;
+  std::size_t hidden = 0;
+  std::vector<std::uint8_t> changed(scene.meshes().size(), 0);
+  UpdateStatistics s;
+  for (std::uint32_t id = 0; id < state.pending.size(); ++id) {
+    if (state.pending[id] == Pending::none) continue;
+    if (seen[id] == 0) {
+      ++hidden;
+      continue;
+    }
+    todo.push_back(id);
+    changed[id] = 1;
+    if (state.pending[id] != Pending::deformed) continue;
+    ++s.deformed_meshes;
+    s.deformed_triangles += scene.meshes()[id].triangles.size();
+  }
+  const TreeWork meshes = state.update_meshes(scene, todo, options.policy, width, executor);
+  const InstanceSet::Changes placed = state.instances.update(scene, state.blases, changes, changed,
+                                                             options.policy, width, executor);
+  bool primitives_changed = placed.set_changed;
+  if (options.layout == Layout::flat) primitives_changed |= meshes.nodes_rebuilt != 0;
+  const TreeWork top = state.tlas.update(scene, state.instances, options.layout, primitives_changed,
+                                         placed.moved != 0, options.policy, width, executor);
+  state.instances.note_bounds(state.tlas.bounds());
+
+  state.tlas.show(state.view);
+  state.view.instances = state.instances.views().data();
+  state.view.instance_count = std::uint32_t(state.instances.views().size());
+  for (int k = 0; k < 3; ++k) state.view.scene_origin[k] = state.instances.origin()[k];
+
+  s.policy = name(options.policy);
+  s.structure = "bvh";
+  s.layout = name(options.layout);
+  s.moved_instances = changes.moved_instances.size();
+  s.nodes_refitted = meshes.nodes_refitted + placed.baked.nodes_refitted + top.nodes_refitted;
+  s.nodes_rebuilt = meshes.nodes_rebuilt + placed.baked.nodes_rebuilt + top.nodes_rebuilt;
+  if (!todo.empty()) state.warn_of_dropped(scene);
+  s.warnings = state.mesh_warnings;
+  s.warnings.insert(s.warnings.end(), state.instances.warnings().begin(),
+                    state.instances.warnings().end());
+  state.count(scene, s);
+  state.list_left_out(scene, changes, todo.size(), hidden, s);
+  s.update_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  state.last_options = options;
+  state.last_width = width;
+  state.last = s;
+  return s;
+}
+
+const trace::TraceView& Accelerator::view() const {
+  return state_->view;
+}
+
+std::pair<Vec3d, Vec3d> Accelerator::world_bounds() const {
+  const Aabb box = state_->tlas.bounds();
+  const Vec3d& origin = state_->instances.origin();
+  return {Vec3d(box.lo) + origin, Vec3d(box.hi) + origin};
+}
+
+void Accelerator::update_shading_normals(const Scene& scene, Executor& executor) {
+  State& state = *state_;
+  const std::vector<std::uint8_t> seen = state.seen_meshes(scene);
+  for (std::uint32_t id = 0; id < state.pending_normals.size(); ++id) {
+    Pending& pending = state.pending_normals[id];
+    if (pending == Pending::none || seen[id] == 0) continue;
+    if (scene.meshes()[id].normal_count != 0)
+      state.normals[id].update(scene.meshes()[id], pending == Pending::topology, executor);
+    pending = Pending::none;
+  }
+}
+
+std::span<const Vec3> Accelerator::shading_normals(std::uint32_t mesh) const {
+  return state_->normals[mesh].normals();
+}
+
+std::string Accelerator::validate(const Scene& scene) const {
+  std::string error = state_->tlas.validate();
+  if (!error.empty()) return "top tree: " + error;
+  for (std::uint32_t id = 0; id < state_->blases.size(); ++id) {
+    const Blas& blas = state_->blases[id];
+    if (!blas.exists() || state_->pending[id] != Pending::none) continue;
+    error = blas.validate(scene.meshes()[id]);
+    if (!error.empty()) return mesh_label(scene.meshes()[id], id) + ": " + error;
+  }
+  return "";
+}
+
+}  // namespace regraft::accel

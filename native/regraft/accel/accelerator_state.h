@@ -1,0 +1,46 @@
+#pragma once
+
+// Private to accel/: what an Accelerator holds.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "regraft/accel/accelerator.h"
+#include "regraft/accel/blas.h"
+#include "regraft/accel/instance_set.h"
+#include "regraft/accel/shading_normals.h"
+#include "regraft/accel/tlas.h"
+
+namespace regraft::accel {
+
+/// What is still to be done for a mesh's tree; kept while nobody sees the mesh.
+enum class Pending : std::uint8_t { none, deformed, topology };
+
+struct Accelerator::State {
+  std::vector<Blas> blases;
+  std::vector<ShadingNormals> normals;
+  std::vector<Pending> pending;
+  std::vector<Pending> pending_normals;
+  InstanceSet instances;
+  Tlas tlas;
+  trace::TraceView view;
+  std::vector<std::string> mesh_warnings;
+  /// What the last update was asked for and said, for an update with nothing to do.
+  UpdateOptions last_options;
+  int last_width = 0;
+  UpdateStatistics last;
+
+  void note(const ChangeSet& changes, std::size_t mesh_count);
+  void mark(std::uint32_t mesh, Pending what);
+  std::vector<std::uint8_t> seen_meshes(const Scene& scene) const;
+  TreeWork update_meshes(const Scene& scene, std::span<const std::uint32_t> todo, Policy policy,
+                         int width, Executor& executor);
+  void warn_of_dropped(const Scene& scene);
+  void count(const Scene& scene, UpdateStatistics& statistics) const;
+  void list_left_out(const Scene& scene, const ChangeSet& changes, std::size_t updated,
+                     std::size_t hidden, UpdateStatistics& statistics) const;
+  UpdateStatistics unchanged(const UpdateOptions& options) const;
+};
+
+}  // namespace regraft::accel

@@ -1,0 +1,230 @@
+#include "regraft/accel/instance_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/matrix.hpp>
+
+namespace regraft::accel {
+
+namespace {
+
+std::string label(const Scene& scene, std::uint32_t instance) {
+  const std::string& name = scene.instances()[instance].name;
+  return "instance " + std::to_string(instance) + (name.empty() ? "" : " '" + name + "'");
+}
+
+bool can_be_hit(const Scene& scene, std::span<const Blas> blases, const Instance& instance) {
+  return instance.alive && instance.visible && instance.mesh < blases.size() &&
+         scene.meshes()[instance.mesh].alive && !blases[instance.mesh].bounds().empty();
+}
+
+bool is_identity(const double (&m)[12]) {
+  constexpr double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  return std::equal(m, m + 12, identity);
+}
+
+void set_inverse(trace::InstanceView& view, const Mat4d& object_to_world) {
+  const Mat4d inverse = glm::inverse(object_to_world);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) view.world_to_object[4 * r + c] = inverse[c][r];
+  view.identity = is_identity(view.world_to_object);
+}
+
+Mat4d relative(Mat4d m, const Vec3d& origin) {
+  for (int r = 0; r < 3; ++r) m[3][r] -= origin[r];
+  return m;
+}
+
+}  // namespace
+
+bool InstanceSet::may_have_changed(const Scene& scene, std::span<const Blas> blases,
+                                   const ChangeSet& changes,
+                                   std::span<const std::uint8_t> changed_meshes) const {
+  if (changes.instance_set_changed || mesh_was_empty_.size() != blases.size()) return true;
+  for (std::size_t m = 0; m < changed_meshes.size(); ++m)
+    if (changed_meshes[m] != 0 && (mesh_was_empty_[m] != 0) != blases[m].bounds().empty())
+      return true;
+  return std::any_of(
+      changes.moved_instances.begin(), changes.moved_instances.end(), [&](std::uint32_t id) {
+        const Instance& instance = scene.instances()[id];
+        const Placement p = classify(instance.object_to_world);
+        const bool wanted =
+            can_be_hit(scene, blases, instance) && (p == Placement::direct || p == Placement::bake);
+        return wanted != std::binary_search(ids_.begin(), ids_.end(), id);
+      });
+}
+
+void InstanceSet::note_bounds(const Aabb& top) {
+  const Vec3d extents = top.extents();
+  const double size = std::fmax(extents.x, std::fmax(extents.y, extents.z));
+  wandered_ = top.magnitude() > 16.0 * size;
+}
+
+bool InstanceSet::collect(const Scene& scene, std::span<const Blas> blases) {
+  std::vector<std::uint32_t> ids;
+  warnings_.clear();
+  for (std::uint32_t i = 0; i < scene.instances().size(); ++i) {
+    const Instance& instance = scene.instances()[i];
+    if (!can_be_hit(scene, blases, instance)) continue;
+    const Placement placement = classify(instance.object_to_world);
+    if (placement == Placement::not_finite)
+      warnings_.push_back(label(scene, i) + ": its matrix is not finite; left out");
+    else if (placement == Placement::no_area)
+      warnings_.push_back(label(scene, i) + ": scaled to a line or a point; left out");
+    else
+      ids.push_back(i);
+  }
+  mesh_was_empty_.resize(blases.size());
+  for (std::size_t m = 0; m < blases.size(); ++m) mesh_was_empty_[m] = blases[m].bounds().empty();
+  if (ids == ids_) return false;
+  ids_ = std::move(ids);
+  views_.assign(ids_.size(), {});
+  frames_.assign(ids_.size(), Mat4d(1.0));
+  trees_.assign(ids_.size(), nullptr);
+  return true;
+}
+
+bool InstanceSet::choose_origin(const Scene& scene, std::span<const Blas> blases,
+                                Executor& executor) {
+  // A box of doubles: at 1e9 a float's steps are as large as a house.
+  struct Box {
+    Vec3d lo{std::numeric_limits<double>::infinity()};
+    Vec3d hi{-std::numeric_limits<double>::infinity()};
+  };
+  constexpr std::size_t grain = 4096;
+  std::vector<Box> boxes((ids_.size() + grain - 1) / grain);
+  executor.parallel_for(ids_.size(), grain, [&](std::size_t begin, std::size_t end) {
+    Box& box = boxes[begin / grain];
+    for (std::size_t i = begin; i < end; ++i) {
+      const Instance& instance = scene.instances()[ids_[i]];
+      const Mat4d& m = instance.object_to_world;
+      const Aabb local = blases[instance.mesh].bounds();
+      const Vec3d half = 0.5 * local.extents();
+      const Vec3d center = 0.5 * (Vec3d(local.lo) + Vec3d(local.hi));
+      for (int r = 0; r < 3; ++r) {
+        const double c = m[0][r] * center.x + m[1][r] * center.y + m[2][r] * center.z + m[3][r];
+        const double h =
+            std::fabs(m[0][r]) * half.x + std::fabs(m[1][r]) * half.y + std::fabs(m[2][r]) * half.z;
+        box.lo[r] = std::fmin(box.lo[r], c - h);
+        box.hi[r] = std::fmax(box.hi[r], c + h);
+      }
+    }
+  });
+  Box all;
+  for (const Box& b : boxes) {
+    all.lo = glm::min(all.lo, b.lo);
+    all.hi = glm::max(all.hi, b.hi);
+  }
+  const Vec3d center = 0.5 * (all.lo + all.hi);
+  const Vec3d extents = all.hi - all.lo;
+  const double size = std::fmax(extents.x, std::fmax(extents.y, extents.z));
+  const auto far_from = [&](const Vec3d& o) {
+    const Vec3d d = center - o;
+    return std::fmax(std::fabs(d.x), std::fmax(std::fabs(d.y), std::fabs(d.z))) > 16.0 * size;
+  };
+  Vec3d wanted(0.0);
+  if (!ids_.empty() && std::isfinite(size) && size > 0.0 && far_from(Vec3d(0.0))) {
+    if (!far_from(origin_)) return false;
+    const double step = std::exp2(std::ceil(std::log2(size)));
+    for (int k = 0; k < 3; ++k) wanted[k] = std::round(center[k] / step) * step;
+  }
+  if (wanted == origin_) return false;
+  origin_ = wanted;
+  return true;
+}
+
+void InstanceSet::place(const Scene& scene, std::size_t i) {
+  const Instance& instance = scene.instances()[ids_[i]];
+  trace::InstanceView& view = views_[i];
+  const auto baked = baked_.find(ids_[i]);
+  const Blas& blas = *trees_[i];
+  view.instance_id = ids_[i];
+  Mat4d object_to_world = instance.object_to_world;
+  if (baked != baked_.end()) object_to_world = glm::translate(Mat4d(1.0), baked->second->center);
+  view.mesh = blas.view(mesh(scene, i));
+  set_inverse(view, object_to_world);
+  frames_[i] = relative(object_to_world, origin_);
+  const Aabb box = transform_bounds(frames_[i], blas.bounds());
+  for (int k = 0; k < 3; ++k) {
+    view.lo[k] = box.lo[k];
+    view.hi[k] = box.hi[k];
+  }
+}
+
+void InstanceSet::bake(const Scene& scene, std::size_t i, bool topology_changed, Policy policy,
+                       int width, Executor& executor, TreeWork& work) {
+  const Instance& instance = scene.instances()[ids_[i]];
+  const Mesh& source = scene.meshes()[instance.mesh];
+  std::unique_ptr<Baked>& slot = baked_[ids_[i]];
+  if (!slot) slot = std::make_unique<Baked>();
+  slot->center = Vec3d(instance.object_to_world[3]);
+  slot->mesh.vertices.resize(source.vertices.size());
+  const Mat3d linear(instance.object_to_world);
+  for (std::size_t v = 0; v < source.vertices.size(); ++v)
+    slot->mesh.vertices[v] = Vec3(linear * Vec3d(source.vertices[v]));
+  topology_changed |= slot->mesh.triangles != source.triangles;
+  if (topology_changed) slot->mesh.triangles = source.triangles;
+  const TreeWork done = slot->blas.update(slot->mesh, topology_changed, policy, width, executor);
+  work.nodes_refitted += done.nodes_refitted;
+  work.nodes_rebuilt += done.nodes_rebuilt;
+}
+
+InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Blas> blases,
+                                         const ChangeSet& changes,
+                                         std::span<const std::uint8_t> changed_meshes,
+                                         Policy policy, int width, Executor& executor) {
+  Changes result;
+  std::vector<std::uint8_t> moved(scene.instances().size(), 0);
+  for (const std::uint32_t id : changes.moved_instances) moved[id] = 1;
+  if (may_have_changed(scene, blases, changes, changed_meshes))
+    result.set_changed = collect(scene, blases);
+  if ((result.set_changed || wandered_) && choose_origin(scene, blases, executor))
+    result.set_changed = true;
+  const auto unbaked = std::erase_if(baked_, [&](const auto& item) {
+    return !std::binary_search(ids_.begin(), ids_.end(), item.first) ||
+           classify(scene.instances()[item.first].object_to_world) != Placement::bake;
+  });
+  result.set_changed |= unbaked != 0;
+  std::vector<std::size_t> stale;
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    const std::uint32_t mesh_id = scene.instances()[ids_[i]].mesh;
+    if (result.set_changed || moved[ids_[i]] != 0 || changed_meshes[mesh_id] != 0)
+      stale.push_back(i);
+  }
+  for (const std::size_t i : stale) {
+    const Instance& instance = scene.instances()[ids_[i]];
+    const bool known = baked_.contains(ids_[i]);
+    if (classify(instance.object_to_world) == Placement::bake &&
+        (!known || moved[ids_[i]] != 0 || changed_meshes[instance.mesh] != 0))
+      bake(scene, i, !known, policy, width, executor, result.baked);
+    result.set_changed |= known != baked_.contains(ids_[i]);
+  }
+  const bool trees_moved = result.set_changed || blases.data() != blases_;
+  for (std::size_t i = 0; trees_moved && i < ids_.size(); ++i) {
+    const auto baked = baked_.find(ids_[i]);
+    trees_[i] =
+        baked == baked_.end() ? &blases[scene.instances()[ids_[i]].mesh] : &baked->second->blas;
+  }
+  blases_ = blases.data();
+  executor.parallel_for(stale.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) place(scene, stale[i]);
+  });
+  result.moved = stale.size();
+  return result;
+}
+
+const Mesh& InstanceSet::mesh(const Scene& scene, std::size_t i) const {
+  const auto baked = baked_.find(ids_[i]);
+  return baked == baked_.end() ? scene.meshes()[scene.instances()[ids_[i]].mesh]
+                               : baked->second->mesh;
+}
+
+std::size_t InstanceSet::bytes() const {
+  std::size_t sum = views_.capacity() * sizeof(trace::InstanceView) +
+                    frames_.capacity() * sizeof(Mat4d) + trees_.capacity() * sizeof(const Blas*);
+  for (const auto& [id, baked] : baked_) sum += baked->mesh.bytes() + baked->blas.bytes();
+  return sum;
+}
+
+}  // namespace regraft::accel

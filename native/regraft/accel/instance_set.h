@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "regraft/accel/blas.h"
+#include "regraft/scene/scene.h"
+
+namespace regraft::accel {
+
+/// The instances rays can meet, ready to be traced: visible, placed by a usable matrix, with a
+/// mesh that has something to hit. In ascending order of instance id.
+///
+/// World positions are kept relative to `origin()`, which is zero unless the scene lies far from
+/// the world's origin (numerics rule N5). An instance whose matrix cannot be inverted safely is
+/// baked: it gets world-space vertices and a tree of its own (N6).
+class InstanceSet {
+ public:
+  struct Changes {
+    bool set_changed = false;  ///< other instances than before, or another origin
+    std::uint64_t moved = 0;   ///< instances whose box or matrix was recomputed
+    TreeWork baked;            ///< work on trees of baked instances
+  };
+
+  /// `blases` by mesh id, up to date. `changed_meshes[m]`: mesh m's geometry changed.
+  Changes update(const Scene& scene, std::span<const Blas> blases, const ChangeSet& changes,
+                 std::span<const std::uint8_t> changed_meshes, Policy policy, int width,
+                 Executor& executor);
+
+  /// Tells the set where the top tree ended up, so that it notices when the scene has wandered
+  /// too far from `origin()` for float coordinates.
+  void note_bounds(const Aabb& top);
+
+  std::span<const trace::InstanceView> views() const { return views_; }
+  /// From the frame of `mesh(i)` to the world relative to `origin()`.
+  const Mat4d& frame(std::size_t i) const { return frames_[i]; }
+  const Vec3d& origin() const { return origin_; }
+  /// The tree behind `views()[i]`.
+  const Blas& tree(std::size_t i) const { return *trees_[i]; }
+  double tree_cost(std::size_t i) const { return trees_[i]->sah_cost(); }
+  double tree_built_cost(std::size_t i) const { return trees_[i]->built_cost(); }
+  /// The mesh that `views()[i]` refers to: the scene's, or the baked one.
+  const Mesh& mesh(const Scene& scene, std::size_t i) const;
+
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  std::size_t bytes() const;
+
+ private:
+  struct Baked {
+    Mesh mesh;
+    Blas blas;
+    Vec3d center{0.0};
+  };
+
+  bool may_have_changed(const Scene& scene, std::span<const Blas> blases, const ChangeSet& changes,
+                        std::span<const std::uint8_t> changed_meshes) const;
+  bool collect(const Scene& scene, std::span<const Blas> blases);
+  bool choose_origin(const Scene& scene, std::span<const Blas> blases, Executor& executor);
+  void place(const Scene& scene, std::size_t i);
+  void bake(const Scene& scene, std::size_t i, bool topology_changed, Policy policy, int width,
+            Executor& executor, TreeWork& work);
+
+  std::vector<std::uint32_t> ids_;
+  std::vector<trace::InstanceView> views_;
+  std::vector<Mat4d> frames_;
+  std::vector<const Blas*> trees_;
+  const Blas* blases_ = nullptr;  ///< where the scene's trees were at the last update
+  std::map<std::uint32_t, std::unique_ptr<Baked>> baked_;
+  std::vector<std::string> warnings_;
+  std::vector<std::uint8_t> mesh_was_empty_;
+  Vec3d origin_{0.0};
+  bool wandered_ = false;
+};
+
+/// How a matrix can be used to place a mesh.
+enum class Placement : std::uint8_t {
+  direct,     ///< invert it
+  bake,       ///< flat or badly conditioned: transform the vertices
+  no_area,    ///< rank ≤ 1: nothing can be hit
+  not_finite  ///< NaN, infinite, or overflowing
+};
+Placement classify(const Mat4d& object_to_world);
+
+/// World box of an object box, rounded outward and widened by 2 ulp of its largest coordinate
+/// (N4); `m` is double and relative to the scene's origin.
+Aabb transform_bounds(const Mat4d& m, const Aabb& box);
+
+}  // namespace regraft::accel
