@@ -152,11 +152,6 @@ def set_attribute(mesh: bpy.types.Mesh, name: str, values: NDArray[Any]) -> None
     layer.data.foreach_set("vector" if values.ndim == 2 else "value", packed.ravel())
 
 
-def shade_smooth(mesh: bpy.types.Mesh, smooth: bool = True) -> bpy.types.Mesh:
-    mesh.polygons.foreach_set("use_smooth", np.full(len(mesh.polygons), smooth))
-    return mesh
-
-
 def collection(name: str, parent: bpy.types.Collection | None = None) -> bpy.types.Collection:
     """A new collection under `parent`, or under the scene's own."""
     made = bpy.data.collections.new(name)

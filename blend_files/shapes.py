@@ -161,12 +161,25 @@ def grid(columns: int, rows: int) -> tuple[Array, NDArray[np.int64]]:
 def mesh(
     name: str, shape: Shape, materials: Sequence[bpy.types.Material], *, smooth_below: float = 0.0
 ) -> bpy.types.Mesh:
-    """A Blender mesh of a shape; edges flatter than `smooth_below` radians are shaded smooth."""
+    """A Blender mesh of a shape; edges flatter than `smooth_below` radians are shaded smooth.
+
+    Sharper ones are split, since newer versions turn the old auto-smooth flag into a modifier, and
+    objects with modifiers do not share their mesh.
+    """
     corners = np.concatenate([np.array(face) for face in shape.faces])
     sizes = np.array([len(face) for face in shape.faces])
     made = mesh_from_arrays(name, shape.vertices, corners, materials, sizes=sizes)
     made.polygons.foreach_set("material_index", np.array(shape.slots, np.int32))
     if smooth_below:
-        made.polygons.foreach_set("use_smooth", np.ones(len(sizes), bool))
-        made.use_auto_smooth, made.auto_smooth_angle = True, smooth_below
+        _shade_smooth(made, smooth_below)
     return made
+
+
+def _shade_smooth(made: bpy.types.Mesh, angle: float) -> None:
+    made.polygons.foreach_set("use_smooth", np.ones(len(made.polygons), bool))
+    work = bmesh.new()
+    work.from_mesh(made)
+    sharp = [edge for edge in work.edges if edge.is_manifold and edge.calc_face_angle() > angle]
+    bmesh.ops.split_edges(work, edges=sharp)
+    work.to_mesh(made)
+    work.free()
