@@ -3,17 +3,15 @@
 // Included by each kernels_*.cpp, which is compiled with the flags of its instruction set.
 
 #include "regraft/trace/kernels.h"
-#include "regraft/trace/single.h"
+#include "regraft/trace/packet.h"
 
 namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
 
 /// W slots a node, R rays a register.
 template <int W, int R>
 constexpr Kernels kernel_table() {
-  return {[](const TraceView& v, const RayPacket& r, HitPacket& h, TraceCounters& c) {
-            Single<W>::closest_hit(v, r, h, c, nullptr);
-          },
-          &Single<W>::any_hit, &Single<W>::closest_hit, &Single<W>::any_hit, W};
+  return {&Packets<W, R>::closest_hit, &Packets<W, R>::any_hit, &Single<W>::closest_hit,
+          &Single<W>::any_hit, W};
 }
 
 }  // namespace regraft::trace::REGRAFT_SIMD_NAMESPACE

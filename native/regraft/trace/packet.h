@@ -1,0 +1,338 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "regraft/trace/packet_rays.h"
+#include "regraft/trace/single.h"
+
+namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
+
+/// Rays a node's subtree must still concern for the packet to enter it as one; fewer go on one by
+/// one. Measured: see docs/benchmarks.md.
+inline constexpr int single_below = 8;
+
+/// 64 rays through wide nodes together (Wald et al. 2001; large packets and interval culling as
+/// in Overbeck, Ramamoorthi, Mark, Large Ray Packets for Real-time Whitted Ray Tracing, RT 2008).
+///
+/// A node is tested once for the whole packet, its surviving slots then ray by ray in registers of
+/// R. What a ray hits is decided by the same operations as in the single-ray path.
+template <int W, int R, bool AnyHit>
+class PacketTracer {
+ public:
+  PacketTracer(const TraceView& view, const RayPacket& rays, TraceCounters& counters)
+      : view_(view), rays_(rays), counters_(counters), alive_(rays.active) {
+    for (int i = 0; i < lanes_all; ++i) {
+      best_t_[i] = rays.t_far[i];
+      best_instance_[i] = best_prim_[i] = 0xFFFFFFFFu;
+    }
+  }
+
+  void run() {
+    counters_.rays += std::uint64_t(std::popcount(alive_));
+    if (alive_ == 0 || view_.top_nodes == nullptr) return;
+    const bool agree = set_top();
+    drop_invalid();
+    if (agree && view_.flat == nullptr) {
+      walk_packet(
+          static_cast<const WideNode<W>*>(view_.top_nodes), top_, alive_,
+          [&](const WideNode<W>& node, int slot, std::uint64_t mask) {
+            top_leaf(node, slot, mask);
+          },
+          [&](std::uint32_t child, int i) { single_from_top(child, i); });
+      return;
+    }
+    for (std::uint64_t todo = alive_; todo != 0; todo &= todo - 1)
+      single_from_top(0, std::countr_zero(todo));
+  }
+
+  std::uint64_t occluded() const { return rays_.active & occluded_; }
+
+  void store(HitPacket& hits) const {
+    for (std::uint64_t todo = rays_.active; todo != 0; todo &= todo - 1) {
+      const auto i = std::uint32_t(std::countr_zero(todo));
+      store_hit(hits, i, nearest(int(i)));
+    }
+  }
+
+ private:
+  struct Entry {
+    const WideNode<W>* parent;
+    int slot;
+    float near;
+    std::uint64_t mask;
+  };
+
+  static constexpr LaneBits full = LaneBits((std::uint64_t(1) << R) - 1);
+
+  bool set_top() {
+    alignas(64) float origin[3][lanes_all], direction[3][lanes_all];
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < lanes_all; ++i) {
+        origin[k][i] = float(rays_.origin[k][i] - view_.scene_origin[k]);
+        direction[k][i] = float(rays_.direction[k][i]);
+      }
+    start_ = rays_.t_near[0];
+    for (int i = 1; i < lanes_all; ++i)
+      start_ = rays_.t_near[i] < start_ ? rays_.t_near[i] : start_;
+    if (!set_slab_packet(top_, origin, direction, view_.magnitude)) return false;
+    set_intervals(top_);
+    return true;
+  }
+
+  void drop_invalid() {
+    for (std::uint64_t todo = alive_; todo != 0; todo &= todo - 1) {
+      const int i = std::countr_zero(todo);
+      if (!valid(load_ray(rays_, std::uint32_t(i)))) alive_ &= ~(std::uint64_t(1) << i);
+    }
+  }
+
+  Nearest nearest(int i) const {
+    return {best_t_[i], best_instance_[i], best_prim_[i], best_u_[i], best_v_[i]};
+  }
+
+  void take(int i, const Nearest& n) {
+    best_t_[i] = n.t;
+    best_instance_[i] = n.instance_id;
+    best_prim_[i] = n.prim_id;
+    best_u_[i] = n.u;
+    best_v_[i] = n.v;
+  }
+
+  void finish_single(int i, const Nearest& n, const Work& work) {
+    counters_.nodes_visited += work.nodes;
+    counters_.triangle_tests += work.tests;
+    take(i, n);
+    if (AnyHit && n.prim_id != 0xFFFFFFFFu) occlude(std::uint64_t(1) << i);
+  }
+
+  void occlude(std::uint64_t lanes) {
+    occluded_ |= lanes;
+    alive_ &= ~lanes;
+  }
+
+  void single_from_top(std::uint32_t child, int i) {
+    Nearest n = nearest(i);
+    Work work;
+    const WorldRay ray = load_ray(rays_, std::uint32_t(i));
+    trace_top<W, AnyHit>(view_, ray, make_top(view_, ray), child, n, work);
+    finish_single(i, n, work);
+  }
+
+  /// The largest t any living ray of `mask` still cares for.
+  float limit(std::uint64_t mask) const {
+    Float<R> largest(-infinity);
+    for (int base = 0; base < lanes_all; base += R)
+      if ((mask >> base & full) != 0) largest = max(Float<R>::load(best_t_ + base), largest);
+    alignas(64) float lanes[R];
+    largest.store(lanes);
+    float result = lanes[0];
+    for (int i = 1; i < R; ++i) result = lanes[i] > result ? lanes[i] : result;
+    return result;
+  }
+
+  std::uint64_t enter_slot(const SlabPacket& packet, const WideNode<W>& node, int slot,
+                           std::uint64_t mask) const {
+    const float lo[3] = {node.bounds[0][slot], node.bounds[1][slot], node.bounds[2][slot]};
+    const float hi[3] = {node.bounds[3][slot], node.bounds[4][slot], node.bounds[5][slot]};
+    std::uint64_t entered = 0;
+    for (int base = 0; base < lanes_all; base += R) {
+      if ((mask >> base & full) == 0) continue;
+      const LaneBits lanes = test_box<R>(packet, lo, hi, base, Float<R>::load(rays_.t_near + base),
+                                         Float<R>::load(best_t_ + base));
+      entered |= std::uint64_t(lanes) << base;
+    }
+    return entered & mask;
+  }
+
+  template <typename Leaf, typename SingleFrom>
+  REGRAFT_INLINE void walk_packet(const WideNode<W>* nodes, const SlabPacket& packet,
+                                  std::uint64_t mask, const Leaf& leaf,
+                                  const SingleFrom& single_from) {
+    Entry stack[stack_size<W>];
+    int top = push(stack, 0, nodes[0], packet, mask);
+    while (top > 0) {
+      const Entry entry = stack[--top];
+      const std::uint64_t entered =
+          enter_slot(packet, *entry.parent, entry.slot, entry.mask & alive_);
+      if (entered == 0) continue;
+      const std::uint32_t child = entry.parent->child[entry.slot];
+      if (WideChild::is_leaf(child)) {
+        leaf(*entry.parent, entry.slot, entered);
+        continue;
+      }
+      if (std::popcount(entered) < single_below) {
+        for (std::uint64_t todo = entered; todo != 0; todo &= todo - 1)
+          single_from(child, std::countr_zero(todo));
+        continue;
+      }
+      top = push(stack, top, nodes[child], packet, entered);
+    }
+  }
+
+  int push(Entry* stack, int top, const WideNode<W>& node, const SlabPacket& packet,
+           std::uint64_t mask) {
+    ++counters_.nodes_visited;
+    Float<W> near;
+    LaneBits lanes = test_slots_packet(node, packet, start_, limit(mask), near);
+    alignas(64) float distance[W];
+    near.store(distance);
+    const int base = top;
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int slot = __builtin_ctz(lanes);
+      int at = top++;
+      for (; at > base && stack[at - 1].near < distance[slot]; --at) stack[at] = stack[at - 1];
+      stack[at] = {&node, slot, distance[slot], mask};
+    }
+    return top;
+  }
+
+  void top_leaf(const WideNode<W>& node, int slot, std::uint64_t mask) {
+    const std::uint32_t child = node.child[slot];
+    for (std::uint32_t p = 0; p < WideChild::count(child); ++p) {
+      const InstanceView& instance = view_.instances[view_.top_prims[WideChild::begin(child) + p]];
+      std::uint64_t inside = mask & alive_;
+      if (std::popcount(inside) < single_below ||
+          !make_local_packet<R>(rays_, top_, instance, inside, local_))
+        instance_singles(instance, inside);
+      else if (inside != 0)
+        instance_packet(instance, inside);
+    }
+  }
+
+  void instance_singles(const InstanceView& instance, std::uint64_t mask) {
+    for (; mask != 0; mask &= mask - 1) {
+      const int i = std::countr_zero(mask);
+      LocalRay ray;
+      if (make_local(load_ray(rays_, std::uint32_t(i)), extract_top(top_, i), instance, ray))
+        single_in_mesh(ray, instance, 0, i);
+    }
+  }
+
+  void single_in_mesh(const LocalRay& ray, const InstanceView& instance, std::uint32_t root,
+                      int i) {
+    Nearest n = nearest(i);
+    Work work;
+    trace_mesh<W, AnyHit>(ray, instance, root, n, work);
+    finish_single(i, n, work);
+  }
+
+  void instance_packet(const InstanceView& instance, std::uint64_t mask) {
+    walk_packet(
+        static_cast<const WideNode<W>*>(instance.mesh.nodes), local_, mask,
+        [&](const WideNode<W>& node, int slot, std::uint64_t inside) {
+          mesh_leaf(instance, node.child[slot], inside);
+        },
+        [&](std::uint32_t child, int i) {
+          single_in_mesh(extract(local_, rays_, i), instance, child, i);
+        });
+  }
+
+  void mesh_leaf(const InstanceView& instance, std::uint32_t child, std::uint64_t mask) {
+    for (std::uint32_t p = 0; p < WideChild::count(child); ++p) {
+      const std::uint32_t prim = instance.mesh.prim_ids[WideChild::begin(child) + p];
+      mask &= alive_;
+      counters_.triangle_tests += std::uint64_t(std::popcount(mask));
+      for (int base = 0; base < lanes_all; base += R)
+        if ((mask >> base & full) != 0)
+          test_lanes(instance, prim, base, LaneBits(mask >> base & full));
+    }
+  }
+
+  /// One triangle against R rays; `test_triangles` with the roles exchanged.
+  void test_lanes(const InstanceView& instance, std::uint32_t prim, int base, LaneBits wanted) {
+    const int axes[3] = {local_.kz == 2 ? 0 : local_.kz + 1, local_.kz == 0 ? 2 : local_.kz - 1,
+                         local_.kz};
+    const std::uint32_t* corners = instance.mesh.triangles + 3 * std::size_t(prim);
+    const float* v[3];
+    for (int c = 0; c < 3; ++c) v[c] = instance.mesh.vertices + 3 * std::size_t(corners[c]);
+    Float<R> relative[3][3];
+    for (int k = 0; k < 3; ++k) {
+      const Float<R> origin = Float<R>::load(local_.origin[axes[k]] + base);
+      for (int c = 0; c < 3; ++c) relative[c][k] = Float<R>(v[c][axes[k]]) - origin;
+    }
+    const EdgeTest<R> test(
+        relative[0], relative[1], relative[2], Float<R>::load(local_.shear[0] + base),
+        Float<R>::load(local_.shear[1] + base), Float<R>::load(local_.shear[2] + base));
+    LaneBits lanes = test.hit & wanted;
+    if (lanes == 0) return;
+    Float<R> near(-infinity), far(infinity);
+    for (int k = 0; k < 3; ++k) {
+      const float lo = std::fmin(std::fmin(v[0][k], v[1][k]), v[2][k]);
+      const float hi = std::fmax(std::fmax(v[0][k], v[1][k]), v[2][k]);
+      widen_axis(Float<R>(local_.negative[k] ? hi : lo), Float<R>(local_.negative[k] ? lo : hi),
+                 Float<R>::load(local_.near_origin[k] + base),
+                 Float<R>::load(local_.far_origin[k] + base),
+                 Float<R>::load(local_.inverse[k] + base), near, far);
+    }
+    const Float<R> start = Float<R>::load(rays_.t_near + base);
+    const Float<R> local_t = max(near, test.t);
+    const Float<R> t = max(Float<R>::load(local_.entry + base), local_t);
+    lanes &= (near <= far) & (start <= far) & (start <= t) & (t <= Float<R>::load(best_t_ + base));
+    if (lanes == 0) return;
+    if (AnyHit) {
+      occlude(std::uint64_t(lanes) << base);
+      return;
+    }
+    alignas(64) float ts[R], us[R], vs[R];
+    t.store(ts);
+    (test.v / test.det).store(us);
+    (test.w / test.det).store(vs);
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int i = __builtin_ctz(lanes);
+      if (nearest(base + i).beaten_by(ts[i], instance.instance_id, prim))
+        take(base + i, {ts[i], instance.instance_id, prim, us[i], vs[i]});
+    }
+  }
+
+  const TraceView& view_;
+  const RayPacket& rays_;
+  TraceCounters& counters_;
+  std::uint64_t alive_;
+  std::uint64_t occluded_ = 0;
+  float start_ = 0.0f;
+  alignas(64) float best_t_[lanes_all];
+  alignas(64) float best_u_[lanes_all]{};
+  alignas(64) float best_v_[lanes_all]{};
+  std::uint32_t best_instance_[lanes_all];
+  std::uint32_t best_prim_[lanes_all];
+  SlabPacket top_;
+  LocalPacket local_;
+};
+
+/// Lanes that carry no ray get a copy of one that does, so that registers hold no rubbish.
+REGRAFT_INLINE const RayPacket& filled(const RayPacket& rays, RayPacket& copy) {
+  if (rays.active == ~std::uint64_t(0) || rays.active == 0) return rays;
+  copy = rays;
+  const int source = std::countr_zero(rays.active);
+  for (int i = 0; i < lanes_all; ++i) {
+    if ((rays.active >> i & 1u) != 0) continue;
+    for (int k = 0; k < 3; ++k) {
+      copy.origin[k][i] = rays.origin[k][source];
+      copy.direction[k][i] = rays.direction[k][source];
+    }
+    copy.t_near[i] = rays.t_near[source];
+    copy.t_far[i] = rays.t_far[source];
+  }
+  return copy;
+}
+
+template <int W, int R>
+struct Packets {
+  static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,
+                          TraceCounters& counters) {
+    RayPacket copy;
+    PacketTracer<W, R, false> tracer(view, filled(rays, copy), counters);
+    tracer.run();
+    tracer.store(hits);
+  }
+  static std::uint64_t any_hit(const TraceView& view, const RayPacket& rays,
+                               TraceCounters& counters) {
+    RayPacket copy;
+    PacketTracer<W, R, true> tracer(view, filled(rays, copy), counters);
+    tracer.run();
+    return tracer.occluded();
+  }
+};
+
+}  // namespace regraft::trace::REGRAFT_SIMD_NAMESPACE
