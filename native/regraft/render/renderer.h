@@ -1,34 +1,14 @@
 #pragma once
 
-#include <functional>
-#include <set>
-#include <string>
-
 #include "regraft/accel/accelerator.h"
 #include "regraft/core/executor.h"
 #include "regraft/render/frame.h"
+#include "regraft/render/render_settings.h"
 #include "regraft/scene/camera.h"
 #include "regraft/scene/scene.h"
 #include "regraft/trace/tracer.h"
 
 namespace regraft::render {
-
-enum class Shading { clay, occlusion, direct, reflection, cost };
-
-struct RenderSettings {
-  std::uint32_t width = 0;
-  std::uint32_t height = 0;
-  Shading shading = Shading::direct;
-  std::uint32_t samples = 1;
-  std::uint64_t seed = 0;
-  /// Names as in docs/api.md; unknown ones throw.
-  std::set<std::string> passes{"combined"};
-  /// Pixels x0, y0, x1, y1 from the lower left corner, half open; all 0: the whole image.
-  std::array<std::uint32_t, 4> region{0, 0, 0, 0};
-  /// Called on the calling thread about every 20 ms with the finished fraction; returning false
-  /// cancels.
-  std::function<bool(double)> poll;
-};
 
 /// The façade: a scene, its trees and a thread pool. Bound to Python as `regraft.Scene`.
 ///
@@ -43,6 +23,10 @@ class Renderer {
   Executor& executor() { return executor_; }
 
   accel::UpdateStatistics update(const accel::UpdateOptions& options);
+  /// One picture. Throws std::invalid_argument naming a setting that is wrong; an exception of
+  /// `settings.poll` passes through. Deterministic: the same pixels for any number of threads and
+  /// any instruction set. The statistics begin with those of the last update, whose work the
+  /// first frame after it answers for.
   Frame render(const Camera& camera, const RenderSettings& settings);
 
   /// Throws std::logic_error if the scene changed since the last `update`.

@@ -56,6 +56,7 @@ class Scene {
   std::span<const Mesh> meshes() const { return meshes_; }
   std::span<const Instance> instances() const { return instances_; }
   std::span<const Group> groups() const { return groups_; }
+  std::span<const Material> materials() const { return materials_; }
   std::span<const Light> lights() const { return lights_; }
   const Vec3& world() const { return world_; }
   /// The material of a slot of an instance; the default one where none was given.
