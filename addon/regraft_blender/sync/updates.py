@@ -1,0 +1,59 @@
+"""What Blender says has changed since a dependency graph was last read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+
+# A change of one of these may bring objects in or out.
+STRUCTURAL = (bpy.types.Scene, bpy.types.Collection)
+
+
+@dataclass
+class Updates:
+    """One reading of `depsgraph.updates`. Addresses are of original data-blocks; the evaluated
+    ones in `objects` and `materials` are valid within the frame's callback only."""
+
+    is_empty: bool = True
+    is_structural: bool = False
+    lights: bool = False
+    geometry: set[int] = field(default_factory=set)
+    objects: list[bpy.types.Object] = field(default_factory=list)
+    materials: list[bpy.types.Material] = field(default_factory=list)
+
+
+def read_updates(depsgraph: bpy.types.Depsgraph) -> Updates:
+    """Sort the updates by what has to be read again.
+
+    `objects` are those whose geometry changed or that changed in something other than their
+    transform. Objects that only moved are not looked at one by one: their matrices are read in
+    bulk, and a scene may have thousands.
+    """
+    entries = depsgraph.updates
+    count = len(entries)
+    updates = Updates(is_empty=count == 0)
+    geometry, transform = np.empty(count, np.bool_), np.empty(count, np.bool_)
+    entries.foreach_get("is_updated_geometry", geometry)
+    entries.foreach_get("is_updated_transform", transform)
+    wanted = geometry | ~transform
+    for entry, is_wanted, is_geometry in zip(
+        entries, wanted.tolist(), geometry.tolist(), strict=True
+    ):
+        if is_wanted:
+            _sort_in(updates, entry.id, is_geometry)
+    return updates
+
+
+def _sort_in(updates: Updates, block: bpy.types.ID, is_geometry: bool) -> None:
+    if isinstance(block, bpy.types.Material):
+        updates.materials.append(block)
+    elif isinstance(block, bpy.types.Light):
+        updates.lights = True
+    elif isinstance(block, STRUCTURAL):
+        updates.is_structural = True
+    elif isinstance(block, bpy.types.Object):
+        updates.objects.append(block)
+    if is_geometry:
+        updates.geometry.add(block.original.as_pointer())

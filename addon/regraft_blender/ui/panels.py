@@ -1,0 +1,251 @@
+"""The sidebar tab "Regraft", and Regraft's panels among the render and view layer properties."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from .. import compat, session
+from ..handlers import ENGINE
+
+# Panels of Blender's own that say nothing about Regraft's pictures.
+FOREIGN = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes"}
+WRAP_AT = 44
+MAX_SENTENCES = 8
+
+TIMES = ("evaluate_ms", "extract_ms", "update_ms", "trace_ms", "shade_ms", "write_ms")
+GROUPS = (
+    ("Scene", ("triangles", "instances", "moved_instances", "deformed_meshes",
+               "deformed_triangles")),
+    ("Trees", ("policy", "structure", "layout", "nodes", "nodes_refitted", "nodes_rebuilt",
+               "pairs_considered", "pairs_restructured", "kdtree_nodes", "kdtree_built_fraction",
+               "culling_efficiency", "cost_ratio", "memory_bytes")),
+    ("Rays", ("rays_primary", "rays_shadow", "rays_secondary", "nodes_visited", "triangle_tests",
+              "observed_cost")),
+)  # fmt: skip
+SHOWN_EVEN_IF_ZERO = {"triangles", "instances"}
+
+
+def draw_settings(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
+    """The settings, one a line."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    settings = scene.regraft
+    column = layout.column()
+    column.prop(settings, "shading")
+    column.prop(settings, "samples")
+    column.prop(settings, "viewport_samples")
+    column.prop(settings, "use_headlight")
+    column = layout.column()
+    column.prop(settings, "policy")
+    column.prop(settings, "structure")
+    column.prop(settings, "layout")
+    column.prop(settings, "threads")
+
+
+def draw_problem(layout: bpy.types.UILayout) -> bool:
+    """Say why the library cannot be used; True if that is so."""
+    problem = compat.problem()
+    if problem:
+        draw_sentence(layout.box().column(align=True), problem, "ERROR")
+    return bool(problem)
+
+
+def draw_statistics(layout: bpy.types.UILayout, statistics: dict[str, Any]) -> None:
+    """One frame's statistics, grouped; what is zero and usually is, is left out."""
+    total = statistics.get("total_ms", 0.0)
+    layout.label(text=f"Frame {statistics.get('frame', 0)}: {total:.1f} ms", icon="TIME")
+    box = layout.box().column(align=True)
+    for name in TIMES:
+        if statistics.get(name):
+            draw_value(box, name, statistics[name])
+    for title, names in GROUPS:
+        box = layout.box().column(align=True)
+        box.label(text=title)
+        for name in names:
+            value = statistics.get(name)
+            if value or name in SHOWN_EVEN_IF_ZERO:
+                draw_value(box, name, value)
+    draw_sentences(layout, "Left out", statistics.get("left_out", []), "CHECKMARK")
+    draw_sentences(layout, "Warnings", statistics.get("warnings", []), "ERROR")
+
+
+def draw_value(layout: bpy.types.UILayout, name: str, value: Any) -> None:
+    """A name on the left and its value on the right."""
+    row = layout.split(factor=0.6)
+    row.label(text=words(name))
+    right = row.row()
+    right.alignment = "RIGHT"
+    right.label(text=readable(name, value))
+
+
+def draw_sentences(layout: bpy.types.UILayout, title: str, sentences: list[str], icon: str) -> None:
+    """A list of sentences under a title, if there are any."""
+    if not sentences:
+        return
+    box = layout.box().column(align=True)
+    box.label(text=title)
+    for sentence in sentences[:MAX_SENTENCES]:
+        draw_sentence(box, sentence, icon)
+    if len(sentences) > MAX_SENTENCES:
+        box.label(text=f"and {len(sentences) - MAX_SENTENCES} more")
+
+
+def draw_sentence(layout: bpy.types.UILayout, sentence: str, icon: str) -> None:
+    """A sentence, broken into lines, because Blender's labels do not."""
+    for number, line in enumerate(wrapped(sentence)):
+        layout.label(text=line, icon=icon if number == 0 else "BLANK1")
+
+
+def wrapped(sentence: str, width: int = WRAP_AT) -> list[str]:
+    """Lines of at most `width` characters, words longer than that left whole."""
+    lines = [""]
+    for word in sentence.split():
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
+    return lines
+
+
+def words(name: str) -> str:
+    """A statistic's name for people."""
+    name = name.removesuffix("_ms").removesuffix("_bytes").replace("kdtree", "k-d tree")
+    return name.replace("_", " ").capitalize()
+
+
+def readable(name: str, value: Any) -> str:
+    """A statistic's value with its unit."""
+    if isinstance(value, str):
+        return value
+    if name.endswith("_ms"):
+        return f"{value:.2f} ms"
+    if name.endswith("_bytes"):
+        return f"{value / 2**20:,.1f} MiB"
+    if name.endswith("_fraction"):
+        return f"{value:.1%}"
+    return f"{value:,.3g}" if isinstance(value, float) else f"{value:,}"
+
+
+class SidebarPanel:
+    """Where the sidebar's panels are."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Regraft"
+
+
+class REGRAFT_PT_preview(SidebarPanel, bpy.types.Panel):
+    """Settings and buttons"""
+
+    bl_label = "Preview"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Buttons first, then the settings."""
+        layout = self.layout
+        if draw_problem(layout):
+            return
+        column = layout.column(align=True)
+        column.operator("regraft.render_preview", icon="RENDER_STILL")
+        column.operator("regraft.preview_animation", icon="RENDER_ANIMATION")
+        draw_settings(layout, context.scene)
+
+
+class REGRAFT_PT_statistics(SidebarPanel, bpy.types.Panel):
+    """What the last frame cost"""
+
+    bl_label = "Last Frame"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """The statistics, and the button that saves them."""
+        statistics = session.last_statistics()
+        if statistics is None:
+            self.layout.label(text="Nothing was rendered yet")
+            return
+        draw_statistics(self.layout, statistics)
+        self.layout.operator("regraft.save_statistics", icon="FILE_TICK")
+
+
+class PropertiesPanel:
+    """Where the panels among the properties are; they show while the engine is Regraft."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Only for Regraft."""
+        return bool(context.engine == ENGINE)
+
+
+class REGRAFT_PT_render(PropertiesPanel, bpy.types.Panel):
+    """Settings among the render properties"""
+
+    bl_label = "Preview"
+    bl_context = "render"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """The settings."""
+        if not draw_problem(self.layout):
+            draw_settings(self.layout, context.scene)
+
+
+class REGRAFT_PT_film(PropertiesPanel, bpy.types.Panel):
+    """What is seen where nothing is"""
+
+    bl_label = "Film"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Transparent or not."""
+        self.layout.use_property_split = True
+        self.layout.prop(context.scene.render, "film_transparent", text="Transparent")
+
+
+class REGRAFT_PT_passes(PropertiesPanel, bpy.types.Panel):
+    """The passes that Regraft delivers"""
+
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """One box a pass."""
+        self.layout.use_property_split = True
+        column = self.layout.column(heading="Include")
+        layer = context.view_layer
+        column.prop(layer, "use_pass_z", text="Depth")
+        column.prop(layer, "use_pass_normal", text="Normal")
+        column.prop(layer, "use_pass_object_index", text="Object Index")
+        column.prop(layer.regraft, "use_pass_cost")
+
+
+def blenders_panels() -> list[Any]:
+    """Blender's own panels that every engine wants: output, camera, lights and so on."""
+    panels = []
+    for panel in bpy.types.Panel.__subclasses__():
+        engines: set[str] = getattr(panel, "COMPAT_ENGINES", set())
+        if "BLENDER_RENDER" in engines and panel.__name__ not in FOREIGN:
+            panels.append(panel)
+    return panels
+
+
+CLASSES = (
+    REGRAFT_PT_preview,
+    REGRAFT_PT_statistics,
+    REGRAFT_PT_render,
+    REGRAFT_PT_film,
+    REGRAFT_PT_passes,
+)
+
+
+def attach() -> None:
+    """Show Blender's panels for Regraft as well."""
+    for panel in blenders_panels():
+        panel.COMPAT_ENGINES.add(ENGINE)
+
+
+def detach() -> None:
+    """Take Regraft off Blender's panels."""
+    for panel in blenders_panels():
+        panel.COMPAT_ENGINES.discard(ENGINE)

@@ -1,0 +1,106 @@
+"""Settings: Scene.regraft and ViewLayer.regraft. Names and values are those of the NumPy API."""
+
+# mypy: disable-error-code="valid-type"
+# Blender's properties are calls where Python expects types.
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty
+
+SHADINGS = (
+    ("clay", "Clay", "Grey surfaces under a headlight, no shadows: the fastest"),
+    ("occlusion", "Occlusion", "Grey surfaces, darker where they are hemmed in"),
+    ("direct", "Direct", "The scene's lights with true shadows"),
+    ("reflection", "Reflection", "Direct light and one bounce off smooth surfaces"),
+    ("cost", "Cost", "What each pixel's rays cost, as a heat map"),
+)
+POLICIES = (
+    ("auto", "Auto", "Let Regraft choose for each frame"),
+    ("refit", "Refit", "Keep the trees and only fit their boxes to what moved"),
+    ("rebuild", "Rebuild", "Build the trees of what moved anew in every frame"),
+)
+STRUCTURES = (
+    ("auto", "Auto", "Let Regraft choose"),
+    ("bvh", "BVH", "A bounding volume hierarchy"),
+)
+LAYOUTS = (
+    ("two-level", "Two Levels", "A tree for each mesh and one over all instances"),
+    ("flat", "Flat", "One tree over all triangles of the scene"),
+)
+
+
+class RegraftSceneSettings(bpy.types.PropertyGroup):
+    """How a scene is previewed."""
+
+    shading: EnumProperty(
+        name="Shading", description="What surfaces look like", items=SHADINGS, default="direct"
+    )
+    samples: IntProperty(
+        name="Samples",
+        description="Rays through each pixel of a final frame; more than one gives smooth edges "
+        "and soft shadows",
+        default=1,
+        min=1,
+        max=4096,
+        soft_max=64,
+    )
+    viewport_samples: IntProperty(
+        name="Viewport Samples",
+        description="Rays through each pixel of a viewport, traced one after another",
+        default=16,
+        min=1,
+        max=4096,
+        soft_max=64,
+    )
+    policy: EnumProperty(
+        name="Policy",
+        description="How the trees follow the animation",
+        items=POLICIES,
+        default="auto",
+    )
+    structure: EnumProperty(
+        name="Structure", description="Which kind of tree", items=STRUCTURES, default="auto"
+    )
+    layout: EnumProperty(
+        name="Layout", description="How trees are put together", items=LAYOUTS, default="two-level"
+    )
+    threads: IntProperty(
+        name="Threads",
+        description="How many cores to use; 0: as many as Blender's own settings say",
+        default=0,
+        min=0,
+        max=1024,
+    )
+    use_headlight: BoolProperty(
+        name="Headlight",
+        description="Light the scene from the camera and leave its own lights out. A scene "
+        "without lights always has a headlight",
+        default=False,
+    )
+
+
+class RegraftLayerSettings(bpy.types.PropertyGroup):
+    """Passes that only Regraft has."""
+
+    use_pass_cost: BoolProperty(
+        name="Cost",
+        description="Deliver the number of nodes and triangles each pixel's rays were tested with",
+        default=False,
+    )
+
+
+CLASSES = (RegraftSceneSettings, RegraftLayerSettings)
+
+
+def attach() -> None:
+    """Give scenes and view layers their settings."""
+    bpy.types.Scene.regraft = PointerProperty(type=RegraftSceneSettings, name="Regraft")
+    bpy.types.ViewLayer.regraft = PointerProperty(type=RegraftLayerSettings, name="Regraft")
+
+
+def detach() -> None:
+    """Take the settings away; values stay in the file."""
+    for owner in (bpy.types.Scene, bpy.types.ViewLayer):
+        if hasattr(owner, "regraft"):
+            del owner.regraft
