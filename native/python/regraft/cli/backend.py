@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import logging
+import os
 import shutil
 from pathlib import Path
 from typing import Any, Protocol
@@ -13,6 +14,7 @@ from regraft.cli.job import RenderJob, SceneInfo
 
 LOG = logging.getLogger("regraft")
 
+PROGRAM_VARIABLE = "REGRAFT_BLENDER"
 HOW_TO_GET_BLENDER = (
     "no Blender to read the file with: install the Python package bpy (pip install "
     "'regraft[blender]') or put Blender's own `blender` program on the PATH"
@@ -20,7 +22,14 @@ HOW_TO_GET_BLENDER = (
 
 
 class Backend(Protocol):
-    """Opens one file and renders its frames; errors are those of regraft.cli.errors."""
+    """Opens one file and renders its frames; errors are those of regraft.cli.errors.
+
+    `place` says for people where Blender runs.
+    """
+
+    place: str
+
+    def probe(self) -> dict[str, Any]: ...
 
     def open(self, job: RenderJob) -> SceneInfo: ...
 
@@ -31,16 +40,31 @@ class Backend(Protocol):
 
 def choose_backend(verbose: bool) -> Backend:
     """bpy if it can be imported, else the program `blender`; InputError if there is neither."""
-    if can_import_bpy():
+    program = find_program()
+    if program is None:
         from regraft.cli.backend_inprocess import InProcessBackend
 
         return InProcessBackend(verbose)
-    program = shutil.which("blender")
-    if program is None:
-        raise InputError(HOW_TO_GET_BLENDER)
     from regraft.cli.backend_subprocess import SubprocessBackend, blender_command
 
     return SubprocessBackend(blender_command(program), verbose)
+
+
+def find_program() -> str | None:
+    """Path of the Blender program to run, or None for bpy in this process.
+
+    The environment variable REGRAFT_BLENDER names a program to prefer. InputError if there is
+    nothing.
+    """
+    if named := os.environ.get(PROGRAM_VARIABLE):
+        if found := shutil.which(named):
+            return found
+        raise InputError(f"{PROGRAM_VARIABLE} names {named}, which is no program")
+    if can_import_bpy():
+        return None
+    if found := shutil.which("blender"):
+        return found
+    raise InputError(HOW_TO_GET_BLENDER)
 
 
 def can_import_bpy() -> bool:

@@ -19,9 +19,16 @@ _OUTPUTS = (1, 2)
 class InProcessBackend:
     """Calls the worker directly and holds back what Blender prints on its own."""
 
+    place = "bpy, in this process"
+
     def __init__(self, verbose: bool) -> None:
         self._worker = BlenderWorker()
         self._verbose = verbose
+
+    def probe(self) -> dict[str, Any]:
+        """See BlenderWorker.probe."""
+        with hold_back_output(self._verbose):
+            return self._worker.probe()
 
     def open(self, job: RenderJob) -> SceneInfo:
         """See BlenderWorker.open."""

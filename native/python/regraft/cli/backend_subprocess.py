@@ -45,6 +45,7 @@ class SubprocessBackend:
     """Talks to a worker over its stdin and stdout; what else Blender says goes to a file."""
 
     def __init__(self, command: list[str], verbose: bool) -> None:
+        self.place = f"{Path(command[0]).name}, in a process of its own"
         self._log = None if verbose else tempfile.TemporaryFile()  # noqa: SIM115
         self._process = subprocess.Popen(
             command,
@@ -55,6 +56,11 @@ class SubprocessBackend:
             start_new_session=True,
         )
         self._wait_for_greeting()
+
+    def probe(self) -> dict[str, Any]:
+        """See BlenderWorker.probe."""
+        found: dict[str, Any] = self._ask({"call": "probe"})
+        return found
 
     def open(self, job: RenderJob) -> SceneInfo:
         """See BlenderWorker.open."""
@@ -67,7 +73,8 @@ class SubprocessBackend:
 
     def close(self) -> None:
         """Ends the worker: it stops by itself when its requests end."""
-        assert self._process.stdin and self._process.stdout
+        assert self._process.stdin
+        assert self._process.stdout
         self._process.stdin.close()
         try:
             self._process.wait(timeout=20)
@@ -86,7 +93,8 @@ class SubprocessBackend:
         raise self._death("did not start")
 
     def _ask(self, request: dict[str, Any]) -> Any:
-        assert self._process.stdin and self._process.stdout
+        assert self._process.stdin
+        assert self._process.stdout
         try:
             return protocol.ask(self._process.stdin, self._process.stdout, request)
         except EOFError:

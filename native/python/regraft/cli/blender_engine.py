@@ -34,6 +34,10 @@ class Engine:
         else:
             scene.display.render_aa = "OFF"
 
+    def begin_frame(self, scene: Any) -> None:
+        """From here on the evaluation of `scene` counts as the next frame's."""
+        self._clock.start(scene)
+
     def render(self, scene: Any, frame: int) -> dict[str, Any]:
         """Renders into Blender's Render Result; returns the statistics of the frame.
 
@@ -41,7 +45,6 @@ class Engine:
         """
         import bpy
 
-        self._clock.start(scene)
         # The operator takes its frame from the window's scene, whichever scene it renders.
         bpy.context.scene.frame_current = scene.frame_current = frame
         try:
@@ -75,9 +78,8 @@ class _Addon:
     def set_up(self, scene: Any, layer: Any, job: RenderJob) -> None:
         settings = scene.regraft
         for name in ("shading", "samples", "policy", "structure", "layout", "threads"):
-            setattr(settings, name, _blender_value(settings, name, getattr(job, name)))
-        if hasattr(layer, "regraft"):
-            layer.regraft.use_pass_cost = "cost" in job.passes
+            setattr(settings, name, getattr(job, name))
+        layer.regraft.use_pass_cost = "cost" in job.passes
 
     def take_statistics(self, frame: int) -> dict[str, Any]:
         if not self._rows:
@@ -131,14 +133,3 @@ def report_words(error: RuntimeError) -> str:
         said = [line for line in lines if line and line[0].isalpha() and ": " in line]
         lines = [line for line in said if not line.startswith(("Location:", "Python:"))][-1:]
     return " ".join(" ".join(lines).split())
-
-
-def _blender_value(settings: Any, name: str, value: Any) -> Any:
-    """Enum identifiers in Blender may be written in capitals and without hyphens."""
-    if not isinstance(value, str):
-        return value
-    known = settings.bl_rna.properties[name].enum_items.keys()
-    for spelling in (value, value.upper(), value.upper().replace("-", "_")):
-        if spelling in known:
-            return spelling
-    raise InputError(f"the installed add-on knows no {name} {value!r}")

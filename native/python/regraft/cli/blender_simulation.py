@@ -7,9 +7,11 @@ from typing import Any
 
 
 class RunUp:
-    """Steps a scene whose simulations are not baked through the frames that are not rendered.
+    """Steps a scene whose simulations are not baked through every frame, rendered or not.
 
-    Without it a resumed or partial render would show a simulation that never ran.
+    Otherwise a resumed or partial render would show a simulation that never ran. The scene's own
+    evaluation runs the simulation and fills the caches that the render then reads; stepping only
+    the skipped frames gave other positions than a render of all frames.
     """
 
     def __init__(self, scene: Any) -> None:
@@ -17,11 +19,11 @@ class RunUp:
         self.needed = has_unbaked_simulation(scene)
         self._next = int(scene.frame_start)
 
-    def before(self, frame: int) -> None:
-        """Brings the simulation to the frame before `frame`."""
+    def to(self, frame: int) -> None:
+        """Brings the simulation to `frame`."""
         if self.needed:
-            for skipped in range(self._next, frame):
-                self._scene.frame_set(skipped)
+            for step in range(self._next, frame + 1):
+                self._scene.frame_set(step)
         self._next = max(self._next, frame + 1)
 
 
@@ -34,7 +36,7 @@ def has_unbaked_simulation(scene: Any) -> bool:
 
 def _point_caches(scene: Any) -> Iterator[Any]:
     world = scene.rigidbody_world
-    if world is not None and world.enabled:
+    if world is not None and world.enabled and world.collection and world.collection.objects:
         yield world.point_cache
     for item in scene.objects:
         yield from (m.point_cache for m in item.modifiers if hasattr(m, "point_cache"))

@@ -48,6 +48,8 @@ class BlenderWorker:
             blender_view.frame_everything(scene, width / height)
             notes.append("no camera in the file: framing everything from a three-quarter view")
         self._run_up = RunUp(scene)
+        if self._run_up.needed:
+            notes.append("simulations are not baked: every frame from the first on is evaluated")
         _work_from_an_empty_scene()
         frames = range(scene.frame_start, scene.frame_end + 1, scene.frame_step)
         fps = scene.render.fps / scene.render.fps_base
@@ -66,9 +68,11 @@ class BlenderWorker:
 
         Raises InputError if the engine fails, OutputError if Blender cannot write.
         """
-        assert self._engine and self._run_up
+        assert self._engine
+        assert self._run_up
         started = time.perf_counter()
-        self._run_up.before(frame)
+        self._engine.begin_frame(self._scene)
+        self._run_up.to(frame)
         row = self._engine.render(self._scene, frame)
         rendered = time.perf_counter()
         _save(self._scene, path)
@@ -76,6 +80,19 @@ class BlenderWorker:
         row["write_ms"] = (time.perf_counter() - rendered) * 1e3
         row["total_ms"] = (time.perf_counter() - started) * 1e3
         return row
+
+    def probe(self) -> dict[str, Any]:
+        """Versions, and which of the file formats this Blender reads."""
+        import platform
+
+        import bpy
+
+        readable = [s for s in blender_file.IMPORTERS if blender_file.find_importer(s)]
+        return {
+            "blender": bpy.app.version_string,
+            "python": platform.python_version(),
+            "formats": [".blend", *readable],
+        }
 
     def close(self) -> None:
         """Takes out of Blender what was put in: bpy 4.x does not survive its exit otherwise."""

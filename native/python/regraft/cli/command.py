@@ -6,9 +6,9 @@ import argparse
 from collections.abc import Sequence
 
 import regraft
-from regraft.cli import render
+from regraft.cli import bench, doctor, render
 from regraft.cli.console import Console, start_logging
-from regraft.cli.errors import CommandError
+from regraft.cli.errors import EXIT_INTERRUPTED, CommandError
 
 EXIT_CODES = """exit codes: 0 all asked for is there; 1 a self-check failed; 2 usage;
 3 bad or unreadable input; 4 output could not be written; 130 interrupted"""
@@ -24,7 +24,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"regraft {regraft.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    for command in (render,):
+    for command in (render, bench, doctor):
         command.add_parser(commands)
     return parser
 
@@ -39,4 +39,7 @@ def run(arguments: Sequence[str] | None) -> int:
     except CommandError as error:
         console.error(str(error))
         return error.exit_code
+    except KeyboardInterrupt:
+        console.error("interrupted")
+        return EXIT_INTERRUPTED
     return code

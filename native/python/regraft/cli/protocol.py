@@ -43,7 +43,7 @@ def _answer(worker: Any, request: dict[str, Any]) -> dict[str, Any]:
         return {"ok": _call(worker, request)}
     except errors.CommandError as error:
         return {"error": str(error), "exit_code": error.exit_code}
-    except Exception as error:
+    except Exception as error:  # noqa: BLE001 - the other process shows it, this one lives on
         sys.excepthook(type(error), error, error.__traceback__)
         return {"error": f"{type(error).__name__}: {error}", "exit_code": 1}
 
@@ -51,6 +51,8 @@ def _answer(worker: Any, request: dict[str, Any]) -> dict[str, Any]:
 def _call(worker: Any, request: dict[str, Any]) -> Any:
     if request["call"] == "open":
         return worker.open(RenderJob.from_json(request["job"])).as_json()
+    if request["call"] == "probe":
+        return worker.probe()
     return worker.render(request["frame"], Path(request["path"]))
 
 

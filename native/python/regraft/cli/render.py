@@ -7,6 +7,7 @@ from pathlib import Path
 
 from regraft.cli import job as jobs
 from regraft.cli import options
+from regraft.cli.backend import PROGRAM_VARIABLE
 from regraft.cli.blender_file import SUFFIXES
 from regraft.cli.console import Console
 from regraft.cli.errors import InputError, UsageError
@@ -18,7 +19,8 @@ _DESCRIPTION = f"""Render the frames of FILE with the Regraft engine.
 
 FILE may be {", ".join(SUFFIXES)},
 as far as the Blender at hand can read it. Blender is used as the Python module bpy if it is
-installed, else as the program `blender` on the PATH. Scripts inside the file are not run.
+installed, else as the program `blender` on the PATH, or as the program that the environment
+variable {PROGRAM_VARIABLE} names. Scripts inside the file are not run.
 
 A frame file appears under its final name only when it is complete and has been read back.
 A file without a camera is framed whole from a three-quarter view. A folder of frames also holds
