@@ -32,8 +32,12 @@ def build_parser() -> argparse.ArgumentParser:
 def run(arguments: Sequence[str] | None) -> int:
     """Exit code of the command; argparse itself exits with 2 on a wrong command line."""
     args = build_parser().parse_args(arguments)
-    console = Console()
     start_logging(getattr(args, "verbose", False))
+    with Console() as console:
+        return _run(args, console)
+
+
+def _run(args: argparse.Namespace, console: Console) -> int:
     try:
         code: int = args.run(args, console)
     except CommandError as error:

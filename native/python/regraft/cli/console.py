@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Protocol, TextIO
+from typing import TYPE_CHECKING, Protocol, Self, TextIO
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -24,6 +24,14 @@ class Console:
     def __init__(self) -> None:
         self.out = _own_stream(sys.stdout)
         self.err = _own_stream(sys.stderr)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for stream, original in ((self.out, sys.stdout), (self.err, sys.stderr)):
+            if stream is not original:
+                stream.close()
 
     def say(self, text: str) -> None:
         """A line of result or progress."""
