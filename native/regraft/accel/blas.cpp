@@ -16,7 +16,7 @@ std::vector<Aabb> all_bounds(const Mesh& mesh, Executor& executor) {
   std::vector<Aabb> boxes(mesh.triangles.size());
   executor.parallel_for(boxes.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t)
-      boxes[t] = fast_triangle_bounds(mesh, std::uint32_t(t));
+      boxes[t] = fast_triangle_bounds(mesh, std::uint32_t(t)).aabb();
   });
   return boxes;
 }

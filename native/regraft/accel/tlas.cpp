@@ -12,7 +12,8 @@ namespace {
 /// World box of a triangle of the flat layout: exact for identity placements, otherwise the box
 /// of the object-space box's image, which no hit in object space can leave.
 Aabb flat_bounds(const Scene& scene, const InstanceSet& instances, const trace::FlatPrim& prim) {
-  const Aabb local = fast_triangle_bounds(instances.mesh(scene, prim.instance), prim.prim_id);
+  const Aabb local =
+      fast_triangle_bounds(instances.mesh(scene, prim.instance), prim.prim_id).aabb();
   const trace::InstanceView& view = instances.views()[prim.instance];
   if (view.identity && instances.origin() == Vec3d(0.0)) return local;
   return transform_bounds(instances.frame(prim.instance), local);
@@ -59,7 +60,7 @@ TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances, Layout l
   if (work.done == TreeUpdate::refit) {
     measure(scene, instances, executor);
     const bvh::RefitResult result = bvh::refit(
-        bvh_, [&](std::uint32_t i) { return boxes_[i]; }, executor);
+        bvh_, [&](std::uint32_t i) { return bvh::Box4(boxes_[i]); }, executor);
     work.nodes_refitted = result.nodes;
     cost_ = result.sah_cost;
     state.cost_ratio = built_cost_ > 0.0 ? cost_ / built_cost_ : 1.0;

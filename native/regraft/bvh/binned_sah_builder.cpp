@@ -165,8 +165,8 @@ class Build {
     if (n == 1) return false;
     if (running_out_of_depth(range))
       return n > config_.max_leaf && median_split(range, left, right);
-    const BinMapping mapping(range.centroids);
-    BinSet bins;
+    const BinMapping mapping(range.centroids, n);
+    BinSet bins(mapping.count());
     bin(range, mapping, bins);
     const Split best = best_split(bins, mapping);
     const double area = half_area(range.bounds);
@@ -192,7 +192,7 @@ class Build {
       bins.add(mapping, refs);
       return;
     }
-    std::vector<BinSet> parts((refs.size() + chunk - 1) / chunk);
+    std::vector<BinSet> parts((refs.size() + chunk - 1) / chunk, BinSet(mapping.count()));
     executor_.parallel_for(refs.size(), chunk, [&](std::size_t begin, std::size_t end) {
       parts[begin / chunk].add(mapping, refs.subspan(begin, end - begin));
     });

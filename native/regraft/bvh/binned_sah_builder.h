@@ -12,7 +12,9 @@ namespace regraft::bvh {
 /// Bounding Volume Hierarchies, RT 2007), all three axes in one pass.
 struct BinnedSahBuilder {
   struct Config {
-    CostModel cost;
+    /// Below the metric's: kernels test four triangles of a leaf at once, and fewer nodes are
+    /// less memory and quicker to refit.
+    CostModel cost{0.5};
     std::uint32_t max_leaf = 4;
     /// Ranges up to this size are built as one task; independent of the number of threads, so
     /// that the tree is too.

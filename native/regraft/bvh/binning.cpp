@@ -4,13 +4,13 @@ namespace regraft::bvh {
 
 namespace {
 
-void sweep_axis(const BinSet& bins, int axis, Split& best) {
-  std::array<double, bin_count> right_cost{};
-  std::array<Aabb, bin_count> right_box;
+void sweep_axis(const BinSet& bins, int used, int axis, Split& best) {
+  std::array<double, max_bins> right_cost;
+  std::array<Aabb, max_bins> right_box;
   Box4 box;
   std::uint64_t count = 0;
-  for (int i = bin_count - 1; i > 0; --i) {
-    box.extend(bins.box[axis][i]);
+  for (int i = used - 1; i > 0; --i) {
+    box.extend(bins.box[axis][i].lo, bins.box[axis][i].hi);
     count += bins.count[axis][i];
     right_box[std::size_t(i)] = box.aabb();
     right_cost[std::size_t(i)] =
@@ -18,8 +18,8 @@ void sweep_axis(const BinSet& bins, int axis, Split& best) {
   }
   box = Box4{};
   count = 0;
-  for (int i = 1; i < bin_count; ++i) {
-    box.extend(bins.box[axis][i - 1]);
+  for (int i = 1; i < used; ++i) {
+    box.extend(bins.box[axis][i - 1].lo, bins.box[axis][i - 1].hi);
     count += bins.count[axis][i - 1];
     if (count == 0 || right_cost[std::size_t(i)] < 0.0) continue;
     const Aabb left = box.aabb();
@@ -33,7 +33,7 @@ void sweep_axis(const BinSet& bins, int axis, Split& best) {
 Split best_split(const BinSet& bins, const BinMapping& mapping) {
   Split best;
   for (int k = 0; k < 3; ++k)
-    if (mapping.usable(k)) sweep_axis(bins, k, best);
+    if (mapping.usable(k)) sweep_axis(bins, mapping.count(), k, best);
   return best;
 }
 

@@ -6,12 +6,9 @@
 #include <cstring>
 #include <span>
 
-#include "regraft/core/aabb.h"
-#include "regraft/simd/float_n.h"
+#include "regraft/bvh/box4.h"
 
 namespace regraft::bvh {
-
-using Float4 = simd::REGRAFT_SIMD_NAMESPACE::Float<4>;
 
 /// A primitive while a tree is built: its box and its id in the spare lane.
 struct alignas(32) PrimRef {
@@ -20,46 +17,32 @@ struct alignas(32) PrimRef {
   float hi[3];
   std::uint32_t padding;
 
-  Float4 lo4() const { return Float4::load(lo); }
-  Float4 hi4() const { return Float4::load(hi); }
+  // The id must not reach the arithmetic: as a float it is denormal, and those are slow.
+  Float4 lo4() const { return simd::REGRAFT_SIMD_NAMESPACE::load_point(lo); }
+  Float4 hi4() const { return simd::REGRAFT_SIMD_NAMESPACE::load_point(hi); }
   /// Halved before they are added, so that boxes near the largest float do not overflow.
   Float4 centroid4() const { return Float4(0.5f) * lo4() + Float4(0.5f) * hi4(); }
   float centroid(int axis) const { return 0.5f * lo[axis] + 0.5f * hi[axis]; }
 };
 
-/// A box in two registers; the fourth lane holds rubbish.
-struct Box4 {
-  Float4 lo{std::numeric_limits<float>::infinity()};
-  Float4 hi{-std::numeric_limits<float>::infinity()};
-
-  void extend(Float4 other_lo, Float4 other_hi) {
-    lo = min(other_lo, lo);
-    hi = max(other_hi, hi);
-  }
-  void extend(const Box4& other) { extend(other.lo, other.hi); }
-  Aabb aabb() const {
-    alignas(16) float l[4], h[4];
-    lo.store(l);
-    hi.store(h);
-    return {Vec3(l[0], l[1], l[2]), Vec3(h[0], h[1], h[2])};
-  }
-};
-
-inline constexpr int bin_count = 16;
+inline constexpr int max_bins = 16;
 
 /// Maps centroids to bins on all three axes at once.
 class BinMapping {
  public:
-  explicit BinMapping(const Aabb& centroids) {
+  /// `count` primitives: few need few bins, and most ranges are small.
+  BinMapping(const Aabb& centroids, std::size_t count)
+      : bins_(count < 4 * (max_bins - 4) ? 4 + int(count / 4) : max_bins) {
     for (int k = 0; k < 3; ++k) {
       const float extent = centroids.hi[k] - centroids.lo[k];
-      const float scale = 0.999f * bin_count / extent;
+      const float scale = 0.999f * float(bins_) / extent;
       // Denormal or overflowing extents cannot be binned; such ranges fall back to the median.
       usable_[k] = extent > 0.0f && std::isfinite(scale) && scale > 0.0f;
       offset_[k] = centroids.lo[k];
       scale_[k] = usable_[k] ? scale : 0.0f;
     }
   }
+  int count() const { return bins_; }
   bool usable(int axis) const { return usable_[axis]; }
   int bin(float centroid, int axis) const {
     return clamp((centroid - offset_[axis]) * scale_[axis]);
@@ -71,18 +54,29 @@ class BinMapping {
   }
 
  private:
-  static int clamp(float t) {
-    return t > 0.0f ? (t < float(bin_count - 1) ? int(t) : bin_count - 1) : 0;
-  }
+  int clamp(float t) const { return t > 0.0f ? (t < float(bins_ - 1) ? int(t) : bins_ - 1) : 0; }
   alignas(16) float offset_[4]{};
   alignas(16) float scale_[4]{};
   bool usable_[3]{};
+  int bins_;
 };
 
 /// What the bins hold; merging is exact, so the order of merging does not matter.
 struct BinSet {
-  Box4 box[3][bin_count];
-  std::uint32_t count[3][bin_count] = {};
+  /// Bins beyond `used` are not touched, not even to empty them.
+  explicit BinSet(int used) : used_(used) {
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < used; ++i) {
+        box[k][i].lo = Float4(std::numeric_limits<float>::infinity());
+        box[k][i].hi = Float4(-std::numeric_limits<float>::infinity());
+        count[k][i] = 0;
+      }
+  }
+  struct Bounds {
+    Float4 lo, hi;
+  };
+  Bounds box[3][max_bins];
+  std::uint32_t count[3][max_bins];
 
   void add(const BinMapping& mapping, std::span<const PrimRef> refs) {
     for (const PrimRef& ref : refs) {
@@ -90,18 +84,24 @@ struct BinSet {
       const Float4 lo = ref.lo4();
       const Float4 hi = ref.hi4();
       for (int k = 0; k < 3; ++k) {
-        box[k][b[k]].extend(lo, hi);
+        Bounds& bounds = box[k][b[k]];
+        bounds.lo = min(lo, bounds.lo);
+        bounds.hi = max(hi, bounds.hi);
         ++count[k][b[k]];
       }
     }
   }
   void merge(const BinSet& other) {
     for (int k = 0; k < 3; ++k)
-      for (int i = 0; i < bin_count; ++i) {
-        box[k][i].extend(other.box[k][i]);
+      for (int i = 0; i < used_; ++i) {
+        box[k][i].lo = min(other.box[k][i].lo, box[k][i].lo);
+        box[k][i].hi = max(other.box[k][i].hi, box[k][i].hi);
         count[k][i] += other.count[k][i];
       }
   }
+
+ private:
+  int used_;
 };
 
 /// The cheapest plane between two bins, or none (`axis` < 0).

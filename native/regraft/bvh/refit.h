@@ -3,16 +3,17 @@
 #include <concepts>
 #include <vector>
 
+#include "regraft/bvh/box4.h"
 #include "regraft/bvh/bvh.h"
 #include "regraft/bvh/sah.h"
 #include "regraft/core/executor.h"
 
 namespace regraft::bvh {
 
-/// Returns the present box of a primitive.
+/// Returns the present box of a primitive; the empty box for one that cannot be hit.
 template <typename F>
 concept PrimitiveBounds = requires(const F& f, std::uint32_t prim_id) {
-  { f(prim_id) } -> std::convertible_to<Aabb>;
+  { f(prim_id) } -> std::convertible_to<Box4>;
 };
 
 struct RefitResult {
@@ -32,10 +33,10 @@ struct RefitSum {
 };
 
 template <PrimitiveBounds F>
-Aabb refit_subtree(Bvh& bvh, std::uint32_t index, const F& bounds, const CostModel& model,
+Box4 refit_subtree(Bvh& bvh, std::uint32_t index, const F& bounds, const CostModel& model,
                    RefitSum& sum) {
   Node& node = bvh.nodes[index];
-  Aabb box;
+  Box4 box;
   double tests = 1.0;
   if (node.leaf()) {
     for (std::uint32_t i = 0; i < node.count; ++i) box.extend(bounds(bvh.prim_ids[node.first + i]));
@@ -44,8 +45,8 @@ Aabb refit_subtree(Bvh& bvh, std::uint32_t index, const F& bounds, const CostMod
     box = refit_subtree(bvh, node.first, bounds, model, sum);
     box.extend(refit_subtree(bvh, node.first + 1, bounds, model, sum));
   }
-  node.set_bounds(box);
-  sum.cost += tests * half_area(box);
+  node.set_bounds(box.aabb());
+  sum.cost += tests * half_area(node.bounds());
   ++sum.nodes;
   return box;
 }
