@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <limits>
+
+#include "args.h"
+#include "bindings.h"
+#include "python_poll.h"
+#include "ray_batch.h"
+
+namespace regraft::bindings {
+
+namespace {
+
+using RealsArg = Arg<"numpy.typing.NDArray[numpy.float32] | numpy.typing.NDArray[numpy.float64]">;
+using LimitArg = Arg<"float | numpy.typing.NDArray[numpy.float32]">;
+
+/// Hits of N rays, as docs/api.md describes them.
+struct HitBatch {
+  py::array_t<float> t;
+  py::array_t<std::uint32_t> instance_id;
+  py::array_t<std::uint32_t> prim_id;
+  py::array_t<float> u;
+  py::array_t<float> v;
+  py::array_t<float> normal;
+
+  explicit HitBatch(py::ssize_t n)
+      : t(n), instance_id(n), prim_id(n), u(n), v(n), normal({n, py::ssize_t{3}}) {}
+};
+
+/// The caller's arrays and how to read them; holds references, so lives with the GIL held.
+struct RayArrays {
+  py::array origins;
+  py::array directions;
+  py::object t_near;
+  py::object t_far;
+  RayBatch batch;
+};
+
+py::array real_array(const py::object& object, const char* name, py::ssize_t count) {
+  return checked_array(object, name, {py::dtype::of<float>(), py::dtype::of<double>()}, {count, 3});
+}
+
+Rows rows(const py::array& array) {
+  return {static_cast<const std::byte*>(array.data()), array.strides(0), array.strides(1),
+          array.itemsize() == sizeof(double)};
+}
+
+Limits limits(const py::object& object, const char* name, py::ssize_t count) {
+  if (!py::isinstance<py::array>(object) || py::cast<py::array>(object).ndim() == 0) {
+    return {static_cast<float>(checked_number(object, name)), nullptr, 0};
+  }
+  const py::array array = checked_array(object, name, {py::dtype::of<float>()}, {count});
+  return {0.0f, static_cast<const std::byte*>(array.data()), array.strides(0)};
+}
+
+RayArrays ray_arrays(const RealsArg& origins, const RealsArg& directions, const LimitArg& t_near,
+                     const LimitArg& t_far) {
+  RayArrays rays{real_array(origins, "origins", -1), {}, t_near, t_far, {}};
+  const py::ssize_t count = rays.origins.shape(0);
+  rays.directions = real_array(directions, "directions", count);
+  rays.batch = {rows(rays.origins), rows(rays.directions), limits(t_near, "t_near", count),
+                limits(t_far, "t_far", count), static_cast<std::size_t>(count)};
+  return rays;
+}
+
+/// Up to here, waking other threads costs more than it brings.
+constexpr std::size_t alone_packets = 4;
+/// From here on the work takes long enough for somebody to want to interrupt it.
+constexpr std::size_t polled_packets = 4096;
+
+/// Calls `work(begin, end)` for all packets on all threads, without the GIL.
+template <typename Work>
+void for_packets(Executor& executor, std::size_t packets, const Work& work) {
+  if (packets <= alone_packets) return work(0, packets);
+  PythonPoll poll;
+  {
+    const py::gil_scoped_release no_gil;
+    constexpr std::size_t grain = 16;
+    if (packets < polled_packets) {
+      executor.parallel_for(packets, grain, work);
+    } else {
+      executor.parallel_for_polled(
+          (packets + grain - 1) / grain,
+          [&](std::size_t i) { work(i * grain, std::min(packets, (i + 1) * grain)); },
+          [&] { return poll([] { return true; }); });
+    }
+  }
+  poll.rethrow();
+}
+
+HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& directions,
+                     const LimitArg& t_near, const LimitArg& t_far) {
+  const RayArrays rays = ray_arrays(origins, directions, t_near, t_far);
+  const Tracing tracing(self);
+  HitBatch hits(rays.origins.shape(0));
+  const HitArrays arrays{hits.t.mutable_data(),       hits.instance_id.mutable_data(),
+                         hits.prim_id.mutable_data(), hits.u.mutable_data(),
+                         hits.v.mutable_data(),       hits.normal.mutable_data()};
+  const Scene& scene = self.renderer.scene();
+  for_packets(self.renderer.executor(), rays.batch.packet_count(),
+              [&](std::size_t begin, std::size_t end) {
+                trace_closest(rays.batch, tracing.tracer(), scene, begin, end, arrays);
+              });
+  return hits;
+}
+
+py::array_t<bool> any_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& directions,
+                          const LimitArg& t_near, const LimitArg& t_far) {
+  const RayArrays rays = ray_arrays(origins, directions, t_near, t_far);
+  const Tracing tracing(self);
+  py::array_t<bool> hit(rays.origins.shape(0));
+  bool* out = hit.mutable_data();
+  for_packets(self.renderer.executor(), rays.batch.packet_count(),
+              [&](std::size_t begin, std::size_t end) {
+                trace_any(rays.batch, tracing.tracer(), begin, end, out);
+              });
+  return hit;
+}
+
+void closest_point(SceneHandle&, const RealsArg&, const Arg<"float">&) {
+  PyErr_SetString(PyExc_NotImplementedError,
+                  "closest_point is not available yet in this version; closest_hit is");
+  throw py::error_already_set();
+}
+
+}  // namespace
+
+void bind_results(py::module_& module) {
+  py::class_<HitBatch>(module, "HitBatch", "Nearest hits of N rays, one element a ray.")
+      .def_readonly("t", &HitBatch::t,
+                    "(N,) float32, in units of the direction's length; inf: a miss.")
+      .def_readonly("instance_id", &HitBatch::instance_id, "(N,) uint32; 0xFFFFFFFF: a miss.")
+      .def_readonly("prim_id", &HitBatch::prim_id,
+                    "(N,) uint32, the triangle of the instance's mesh; 0xFFFFFFFF: a miss.")
+      .def_readonly("u", &HitBatch::u, "(N,) float32, weight of the triangle's second vertex.")
+      .def_readonly("v", &HitBatch::v, "(N,) float32, weight of the triangle's third vertex.")
+      .def_readonly("normal", &HitBatch::normal,
+                    "(N, 3) float32, geometric unit normal in the world frame, facing as the "
+                    "placed triangle is wound; zero: a miss.")
+      .def("__len__", [](const HitBatch& hits) { return hits.t.shape(0); });
+}
+
+void bind_queries(SceneClass& scene) {
+  const auto no_limit = py::float_(std::numeric_limits<double>::infinity());
+  scene
+      .def("closest_hit", &closest_hit, py::arg("origins"), py::arg("directions"),
+           py::arg("t_near") = 0.0, py::arg("t_far") = no_limit,
+           R"(Nearest hit of each of N rays in [t_near, t_far].
+
+origins, directions: (N, 3) float32 or float64, world frame; directions need not be unit vectors.
+t_near, t_far: a number or (N,) float32, in units of the direction's length. Rays that are not
+finite, or whose direction is zero, miss. Among equally near hits the lowest
+(instance_id, prim_id) counts. Neighbouring rays that go the same way are faster. Releases the GIL.
+
+Raises ValueError for another shape or dtype, RuntimeError if the scene changed since its last
+update.)")
+      .def("any_hit", &any_hit, py::arg("origins"), py::arg("directions"), py::arg("t_near") = 0.0,
+           py::arg("t_far") = no_limit,
+           R"(Whether each of N rays hits anything in [t_near, t_far]: (N,) bool.
+
+Arguments and errors as for `closest_hit`.)")
+      .def("closest_point", &closest_point, py::arg("points"), py::arg("max_distance") = no_limit,
+           R"(Nearest point of the scene; raises NotImplementedError in this version.)");
+}
+
+}  // namespace regraft::bindings

@@ -1,0 +1,125 @@
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "args.h"
+#include "bindings.h"
+#include "statistics.h"
+
+namespace regraft::bindings {
+
+namespace {
+
+constexpr std::array later_policies{"lm", "rtdeform", "selective", "selective+rotate", "shot"};
+
+/// The value that `names` pairs with `text`. `later` are names of what is still to come.
+template <typename T, std::size_t N>
+T choice(const std::string& text, const char* what,
+         const std::array<std::pair<const char*, T>, N>& names,
+         std::span<const char* const> later = {}) {
+  std::string known;
+  for (const auto& [name, value] : names) {
+    if (text == name) return value;
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  if (std::find(later.begin(), later.end(), text) == later.end()) {
+    throw py::value_error(std::string(what) + ": \"" + text + "\" is none of " + known);
+  }
+  const std::string message = std::string(what) + " \"" + text +
+                              "\" is not available yet in this version; use one of " + known;
+  PyErr_SetString(PyExc_NotImplementedError, message.c_str());
+  throw py::error_already_set();
+}
+
+accel::UpdateOptions update_options(const std::string& policy, const std::string& structure,
+                                    const std::string& layout,
+                                    const std::optional<IntArg>& frames_left) {
+  using accel::Layout;
+  using accel::Policy;
+  using accel::Structure;
+  static constexpr std::array<std::pair<const char*, Policy>, 3> policies{
+      {{"auto", Policy::automatic}, {"refit", Policy::refit}, {"rebuild", Policy::rebuild}}};
+  static constexpr std::array<std::pair<const char*, Structure>, 2> structures{
+      {{"auto", Structure::automatic}, {"bvh", Structure::bvh}}};
+  static constexpr std::array<std::pair<const char*, Layout>, 2> layouts{
+      {{"two-level", Layout::two_level}, {"flat", Layout::flat}}};
+  static constexpr std::array later_structures{"kdtree"};
+  accel::UpdateOptions options;
+  options.policy = choice(policy, "policy", policies, later_policies);
+  options.structure = choice(structure, "structure", structures, later_structures);
+  options.layout = choice(layout, "layout", layouts);
+  if (frames_left) {
+    options.frames_left =
+        static_cast<std::uint32_t>(checked_int(*frames_left, "frames_left", 1, 0x7FFFFFFF));
+  }
+  return options;
+}
+
+UpdateStatistics update(SceneHandle& self, const std::string& policy, const std::string& structure,
+                        const std::string& layout, const std::optional<IntArg>& frames_left) {
+  const accel::UpdateOptions options = update_options(policy, structure, layout, frames_left);
+  const Updating updating(self);
+  accel::UpdateStatistics statistics;
+  {
+    const py::gil_scoped_release no_gil;
+    statistics = self.renderer.update(options);
+  }
+  return UpdateStatistics(std::move(statistics));
+}
+
+py::dict quality(SceneHandle& self, bool fresh) {
+  const Tracing tracing(self);
+  accel::Quality q;
+  {
+    const py::gil_scoped_release no_gil;
+    q = self.renderer.accelerator().quality(self.renderer.scene(), fresh, self.renderer.executor());
+  }
+  return py::dict(py::arg("sah_cost") = q.sah_cost,
+                  py::arg("culling_efficiency") = q.culling_efficiency, py::arg("epo") = q.epo,
+                  py::arg("cost_ratio") = q.cost_ratio, py::arg("depth") = q.depth,
+                  py::arg("bytes") = q.bytes);
+}
+
+py::array_t<double> bounds(SceneHandle& self) {
+  const Tracing tracing(self);
+  const auto [lo, hi] = self.renderer.accelerator().world_bounds();
+  if (!(lo.x <= hi.x)) throw py::value_error("bounds: the scene has nothing that can be hit");
+  py::array_t<double> box({2, 3});
+  for (int k = 0; k < 3; ++k) {
+    box.mutable_at(0, k) = lo[k];
+    box.mutable_at(1, k) = hi[k];
+  }
+  return box;
+}
+
+}  // namespace
+
+void bind_update(SceneClass& scene) {
+  scene
+      .def("update", &update, py::arg("policy") = "auto", py::arg("structure") = "auto",
+           py::arg("layout") = "two-level", py::kw_only(), py::arg("frames_left") = py::none(),
+           R"(Brings the trees up to date with the scene; free where nothing changed.
+
+policy: auto, refit or rebuild; structure: auto or bvh; layout: two-level or flat. frames_left: how
+many frames the shot still has, if that is known. Releases the GIL.
+
+Raises ValueError for an unknown name, NotImplementedError for one that a later version brings.)")
+      .def("quality", &quality, py::arg("fresh") = false,
+           R"(How good the trees are: a dict of
+
+`sah_cost` and `culling_efficiency`, expected tests of a ray that hits the scene; `epo`, the extra
+tests that overlap of nodes causes on surfaces; `cost_ratio`, the cost now over that of the last
+build, or of a full build made beside it if `fresh`; `depth`; `bytes`.
+
+Raises RuntimeError if the scene changed since its last update.)")
+      .def("bounds", &bounds,
+           R"(World box of what can be hit: (2, 3) float64, lowest and highest corner.
+
+Raises ValueError if there is nothing, RuntimeError if the scene changed since its last update.)");
+}
+
+}  // namespace regraft::bindings

@@ -1,0 +1,162 @@
+#include "ray_batch.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace regraft::bindings {
+
+namespace {
+
+using trace::HitPacket;
+using trace::packet_capacity;
+using trace::RayPacket;
+
+template <typename T>
+T value_at(const std::byte* data) {
+  T value;
+  std::memcpy(&value, data, sizeof(T));
+  return value;
+}
+
+template <typename T>
+void load(const Rows& rows, std::size_t first, std::uint32_t count,
+          double (&out)[3][packet_capacity]) {
+  for (int k = 0; k < 3; ++k) {
+    const std::byte* at =
+        rows.data + static_cast<std::ptrdiff_t>(first) * rows.row_bytes + k * rows.column_bytes;
+    for (std::uint32_t i = 0; i < count; ++i, at += rows.row_bytes) out[k][i] = value_at<T>(at);
+  }
+}
+
+void load(const Rows& rows, std::size_t first, std::uint32_t count,
+          double (&out)[3][packet_capacity]) {
+  if (rows.is_double) {
+    load<double>(rows, first, count, out);
+  } else {
+    load<float>(rows, first, count, out);
+  }
+}
+
+void load(const Limits& limits, std::size_t first, std::uint32_t count,
+          float (&out)[packet_capacity]) {
+  if (limits.data == nullptr) {
+    std::fill_n(out, count, limits.constant);
+    return;
+  }
+  const std::byte* at = limits.data + static_cast<std::ptrdiff_t>(first) * limits.row_bytes;
+  for (std::uint32_t i = 0; i < count; ++i, at += limits.row_bytes) out[i] = value_at<float>(at);
+}
+
+/// Bit i is set if ray i is finite and goes somewhere. Zero times a number is NaN unless that is
+/// finite.
+std::uint64_t usable_rays(const RayPacket& rays) {
+  std::uint64_t usable = 0;
+  for (std::uint32_t i = 0; i < rays.count; ++i) {
+    double zero = 0.0;
+    for (int k = 0; k < 3; ++k) zero += 0.0 * rays.origin[k][i] + 0.0 * rays.direction[k][i];
+    const bool moves =
+        rays.direction[0][i] != 0.0 || rays.direction[1][i] != 0.0 || rays.direction[2][i] != 0.0;
+    const bool ok = zero == 0.0 && moves && rays.t_near[i] <= rays.t_far[i];
+    usable |= static_cast<std::uint64_t>(ok) << i;
+  }
+  return usable;
+}
+
+/// (M e1) × (M e2) = cof(M) (e1 × e2): right for mirrored and for flat matrices, and the edges
+/// are multiplied before the matrix can round them.
+Vec3 world_normal(const Scene& scene, std::uint32_t instance_id, std::uint32_t prim_id) {
+  const Instance& instance = scene.instances()[instance_id];
+  const Mesh& mesh = scene.meshes()[instance.mesh];
+  const Triangle& corners = mesh.triangles[prim_id];
+  const Vec3d a(mesh.vertices[corners.x]);
+  const Vec3d object =
+      glm::cross(Vec3d(mesh.vertices[corners.y]) - a, Vec3d(mesh.vertices[corners.z]) - a);
+  const Mat3d m(instance.object_to_world);
+  const Vec3d world = object.x * glm::cross(m[1], m[2]) + object.y * glm::cross(m[2], m[0]) +
+                      object.z * glm::cross(m[0], m[1]);
+  // Divided by the largest component first: the squares of tiny or huge ones leave the range.
+  const double largest =
+      std::fmax(std::fabs(world.x), std::fmax(std::fabs(world.y), std::fabs(world.z)));
+  return largest > 0.0 ? Vec3(glm::normalize(world / largest)) : Vec3(0.0f);
+}
+
+void store(const HitPacket& hits, std::uint32_t i, const Scene& scene, const HitArrays& out,
+           std::size_t ray) {
+  const Vec3 normal = world_normal(scene, hits.instance_id[i], hits.prim_id[i]);
+  out.t[ray] = hits.t[i];
+  out.instance_id[ray] = hits.instance_id[i];
+  out.prim_id[ray] = hits.prim_id[i];
+  out.u[ray] = hits.u[i];
+  out.v[ray] = hits.v[i];
+  for (int k = 0; k < 3; ++k) out.normal[3 * ray + static_cast<std::size_t>(k)] = normal[k];
+}
+
+void store_miss(const HitArrays& out, std::size_t ray) {
+  out.t[ray] = std::numeric_limits<float>::infinity();
+  out.instance_id[ray] = out.prim_id[ray] = invalid_id;
+  out.u[ray] = out.v[ray] = 0.0f;
+  std::fill_n(out.normal + 3 * ray, 3, 0.0f);
+}
+
+}  // namespace
+
+bool coherent(const RayPacket& rays) {
+  return std::popcount(rays.active) >= 8;
+}
+
+std::size_t RayBatch::packet_count() const {
+  return (count + packet_capacity - 1) / packet_capacity;
+}
+
+void RayBatch::pack(std::size_t p, RayPacket& rays) const {
+  const std::size_t first = p * packet_capacity;
+  rays.count = static_cast<std::uint32_t>(std::min<std::size_t>(packet_capacity, count - first));
+  load(origins, first, rays.count, rays.origin);
+  load(directions, first, rays.count, rays.direction);
+  load(t_near, first, rays.count, rays.t_near);
+  load(t_far, first, rays.count, rays.t_far);
+  rays.active = usable_rays(rays);
+}
+
+void trace_closest(const RayBatch& batch, const trace::Tracer& tracer, const Scene& scene,
+                   std::size_t begin, std::size_t end, const HitArrays& out) {
+  RayPacket rays;
+  HitPacket hits;
+  trace::TraceCounters counters;
+  for (std::size_t p = begin; p < end; ++p) {
+    batch.pack(p, rays);
+    if (coherent(rays)) {
+      tracer.closest_hit(rays, hits, counters);
+    } else {
+      tracer.closest_hit_single(rays, hits, counters);
+    }
+    for (std::uint32_t i = 0; i < rays.count; ++i) {
+      const std::size_t ray = p * packet_capacity + i;
+      if ((rays.active >> i & 1) != 0 && hits.instance_id[i] != invalid_id) {
+        store(hits, i, scene, out, ray);
+      } else {
+        store_miss(out, ray);
+      }
+    }
+  }
+}
+
+void trace_any(const RayBatch& batch, const trace::Tracer& tracer, std::size_t begin,
+               std::size_t end, bool* hit) {
+  RayPacket rays;
+  trace::TraceCounters counters;
+  for (std::size_t p = begin; p < end; ++p) {
+    batch.pack(p, rays);
+    const std::uint64_t found =
+        coherent(rays) ? tracer.any_hit(rays, counters) : tracer.any_hit_single(rays, counters);
+    for (std::uint32_t i = 0; i < rays.count; ++i) {
+      hit[p * packet_capacity + i] = ((found & rays.active) >> i & 1) != 0;
+    }
+  }
+}
+
+}  // namespace regraft::bindings

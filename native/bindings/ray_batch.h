@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "regraft/scene/scene.h"
+#include "regraft/trace/tracer.h"
+
+namespace regraft::bindings {
+
+/// Rows of three numbers in memory of any strides, not ours.
+struct Rows {
+  const std::byte* data = nullptr;
+  std::ptrdiff_t row_bytes = 0;
+  std::ptrdiff_t column_bytes = 0;
+  bool is_double = false;
+};
+
+/// One number for all rays, or one a ray (then `data` is not null).
+struct Limits {
+  float constant = 0.0f;
+  const std::byte* data = nullptr;
+  std::ptrdiff_t row_bytes = 0;
+};
+
+/// N rays of the world frame; reads memory that somebody else keeps alive.
+struct RayBatch {
+  Rows origins;
+  Rows directions;
+  Limits t_near;
+  Limits t_far;
+  std::size_t count = 0;
+
+  std::size_t packet_count() const;
+  /// Rays 64 p to 64 p + 63. Those that are not finite, or go nowhere, are not active.
+  void pack(std::size_t p, trace::RayPacket& rays) const;
+};
+
+/// Where hits go: N elements each, 3 N for normals.
+struct HitArrays {
+  float* t;
+  std::uint32_t* instance_id;
+  std::uint32_t* prim_id;
+  float* u;
+  float* v;
+  float* normal;
+};
+
+/// Packets [begin, end) of `batch`, traced. Normals are unit vectors of the world frame, facing as
+/// the transformed triangle is wound; zero where nothing is hit.
+void trace_closest(const RayBatch& batch, const trace::Tracer& tracer, const Scene& scene,
+                   std::size_t begin, std::size_t end, const HitArrays& hits);
+void trace_any(const RayBatch& batch, const trace::Tracer& tracer, std::size_t begin,
+               std::size_t end, bool* hit);
+
+/// True if the rays are so much alike that they are traced together.
+bool coherent(const trace::RayPacket& rays);
+
+}  // namespace regraft::bindings
