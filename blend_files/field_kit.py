@@ -157,10 +157,18 @@ class Graph:
         node.inputs["Object"].default_value = source
         return node.outputs["Geometry"]
 
-    def move_by(self, offset: Field) -> None:
-        """Adds an offset to every point's position."""
+    def move_by(self, offset: Field, only: Field | None = None) -> None:
+        """Adds an offset to every point's position, or only where a field is positive."""
         node = self.pass_through(self.node("GeometryNodeSetPosition"))
         self.connect(offset, node.inputs["Offset"])
+        if only is not None:
+            self.connect(only, node.inputs["Selection"])
+
+    def set_material(self, material: bpy.types.Material, where: Field) -> None:
+        """Gives a material to the faces where a field is positive."""
+        node = self.pass_through(self.node("GeometryNodeSetMaterial"))
+        node.inputs["Material"].default_value = material
+        self.connect(where, node.inputs["Selection"])
 
     def put_on(self, thing: bpy.types.Object) -> None:
         """Closes the tree and makes it a modifier of an object."""

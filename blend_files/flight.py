@@ -65,7 +65,7 @@ def shard_mesh(
     mesh = mesh_from_arrays(
         name, shards.vertices, shards.corners, (surface, *inside), sizes=shards.sizes
     )
-    radius = np.linalg.norm(shards.points, axis=1)
+    radius = np.linalg.norm(shards.points - shards.centre, axis=1)
     layer = np.minimum(radius / radius.max() * len(inside), len(inside) - 1).astype(np.int32)
     shard_of_face = shards.shard[shards.corners[np.cumsum(shards.sizes) - 1]]
     mesh.polygons.foreach_set(

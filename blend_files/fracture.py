@@ -5,7 +5,7 @@ faces are the cell's corners (Preparata and Shamos, Computational Geometry, 1985
 Blender's own hull does the work.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bmesh
 import numpy as np
@@ -34,7 +34,9 @@ class Planes:
 @dataclass
 class Shards:
     """Polygons of all shards: vertices (V, 3), flat corners, sizes (F,), whether a face was the
-    solid's surface (F,), shard of each vertex (V,), and the points (S, 3) the shards grew from."""
+    solid's surface (F,), shard of each vertex (V,), the points (S, 3) the shards grew from, and
+    the solid's centre (3,).
+    """
 
     vertices: Array
     corners: NDArray[np.int64]
@@ -42,10 +44,12 @@ class Shards:
     is_surface: NDArray[np.bool_]
     shard: NDArray[np.int64]
     points: Array
+    centre: Array
 
-    @property
-    def triangle_count(self) -> int:
-        return int((self.sizes - 2).sum())
+    def moved(self, offset: Array) -> "Shards":
+        """The same shards elsewhere."""
+        moved = replace(self, vertices=self.vertices + offset, points=self.points + offset)
+        return replace(moved, centre=self.centre + offset)
 
 
 def boulder(radii: tuple[float, float, float], faces: int, rng: np.random.Generator) -> Planes:
@@ -110,6 +114,7 @@ def shatter(solid: Planes, count: int, rng: np.random.Generator, step: float) ->
         np.concatenate([cell[2] for cell in cells]),
         np.repeat(np.arange(len(points)), counts),
         points,
+        np.zeros(3),
     )
 
 

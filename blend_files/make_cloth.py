@@ -56,7 +56,7 @@ def add_cloth(frames: list[NDArray[np.float64]]) -> None:
     row, column = np.divmod(np.arange(cells * cells), cells)
     edge = np.minimum.reduce([row, column, cells - 1 - row, cells - 1 - column])
     mesh.polygons.foreach_set("material_index", np.isin(edge, (1, 2, 4, 14)).astype(np.int32))
-    mesh.polygons.foreach_set("use_smooth", np.ones(len(faces), bool))
+    kit.shade_smooth(mesh)
     cloth = kit.add_object("Cloth", mesh)
     bake(cloth, points)
     smooth = cloth.modifiers.new("Fine", "SUBSURF")

@@ -152,6 +152,11 @@ def set_attribute(mesh: bpy.types.Mesh, name: str, values: NDArray[Any]) -> None
     layer.data.foreach_set("vector" if values.ndim == 2 else "value", packed.ravel())
 
 
+def shade_smooth(mesh: bpy.types.Mesh) -> None:
+    """Shades every face smooth."""
+    mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), bool))
+
+
 def collection(name: str, parent: bpy.types.Collection | None = None) -> bpy.types.Collection:
     """A new collection under `parent`, or under the scene's own."""
     made = bpy.data.collections.new(name)
