@@ -1,17 +1,11 @@
 """Regraft for Blender: previews of animated scenes by ray tracing.
 
 The engine "Regraft" hands the scene to the native library, which keeps its ray-tracing structures
-alive from frame to frame; see docs/api.md for the library.
+alive from frame to frame; see docs/api.md for the library. Nothing here imports bpy until
+`register` is called, so that the parts that do without Blender can be used and tested without it.
 """
 
 from __future__ import annotations
-
-import logging
-
-import bpy
-
-from . import compat, engine, handlers, session
-from .ui import operators, panels, properties
 
 bl_info = {
     "name": "Regraft",
@@ -23,35 +17,16 @@ bl_info = {
     "category": "Render",
 }
 
-log = logging.getLogger(__name__)
-
-CLASSES = (
-    *properties.CLASSES,
-    *operators.CLASSES,
-    engine.RegraftEngine,
-    *panels.CLASSES,
-)
-
 
 def register() -> None:
     """Add engine, settings, panels and operators to Blender; twice is as good as once."""
-    for cls in CLASSES:
-        if not getattr(cls, "is_registered", False):
-            bpy.utils.register_class(cls)
-    properties.attach()
-    panels.attach()
-    handlers.register()
-    compat.forget()
-    if compat.problem():
-        log.warning("Regraft is registered, but cannot render: %s", compat.problem())
+    from . import registration
+
+    registration.register()
 
 
 def unregister() -> None:
     """Take everything out again, viewports that are just rendering included."""
-    session.close_all()
-    handlers.unregister()
-    panels.detach()
-    properties.detach()
-    for cls in reversed(CLASSES):
-        if getattr(cls, "is_registered", False):
-            bpy.utils.unregister_class(cls)
+    from . import registration
+
+    registration.unregister()

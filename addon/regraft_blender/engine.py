@@ -30,6 +30,7 @@ class RegraftEngine(bpy.types.RenderEngine):
 
     # No __init__: throw-away instances are made often, and its arguments differ by version.
     _viewport: Viewport | None = None
+    _complaint = ""
 
     def __del__(self) -> None:
         try:
@@ -82,9 +83,16 @@ class RegraftEngine(bpy.types.RenderEngine):
         except (RenderError, compat.NativeMissingError) as error:
             self._complain(str(error))
         except Exception as error:
-            log.exception("Regraft failed")
-            self._complain(f"{type(error).__name__}: {error}")
+            first_line = str(error).strip().partition("\n")[0]
+            message = f"{type(error).__name__}: {first_line}"
+            if message != self._complaint:
+                log.exception("Regraft failed")
+            self._complain(message)
 
     def _complain(self, message: str) -> None:
-        self.report({"ERROR"}, f"Regraft: {message}")
-        self.error_set(message)
+        """Tell the user; a viewport, which is drawn again and again, says it in its corner."""
+        self._complaint = message
+        if self._viewport is None:
+            self.report({"ERROR"}, f"Regraft: {message}")
+        else:
+            self.update_stats("", f"Regraft: {message}")

@@ -68,12 +68,18 @@ def as_transforms(matrices: Matrices) -> npt.NDArray[np.float64]:
 
 
 def mixed(seeds: Keys, words: npt.NDArray[np.int32]) -> Keys:
-    """(N,) 64-bit hashes of seeds (N,) and words (N,W): FNV-1a over words, finished as in
-    SplitMix64 (Steele, Lea, Flood 2014, Fig. 16) because neighbours differ in few bits."""
-    keys = seeds ^ np.uint64(0xCBF29CE484222325)
+    """(N,) 64-bit hashes of seeds (N,) and words (N,W): FNV-1a over the words. Seeds are scrambled
+    first, or a seed and a word that differ alike would cancel out."""
+    keys = _scrambled(seeds)
     for column in words.T:
         keys = (keys ^ column.astype(np.uint32)) * np.uint64(0x100000001B3)
         keys ^= keys >> np.uint64(29)
+    return _scrambled(keys)
+
+
+def _scrambled(keys: Keys) -> Keys:
+    """Any bit changes about half of them: the finisher of SplitMix64 (Steele, Lea, Flood, Fast
+    splittable pseudorandom number generators, OOPSLA 2014, Fig. 16)."""
     keys = (keys ^ (keys >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     keys = (keys ^ (keys >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return keys ^ (keys >> np.uint64(31))

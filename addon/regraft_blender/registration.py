@@ -1,0 +1,43 @@
+"""Puts the add-on's classes, properties and handlers into Blender, and takes them out."""
+
+from __future__ import annotations
+
+import logging
+
+import bpy
+
+from . import compat, engine, handlers, session
+from .ui import operators, panels, properties
+
+log = logging.getLogger(__name__)
+
+CLASSES = (
+    *properties.CLASSES,
+    *operators.CLASSES,
+    engine.RegraftEngine,
+    *panels.CLASSES,
+)
+
+
+def register() -> None:
+    """Add what is not there yet."""
+    for cls in CLASSES:
+        if not getattr(cls, "is_registered", False):
+            bpy.utils.register_class(cls)
+    properties.attach()
+    panels.attach()
+    handlers.register()
+    compat.forget()
+    if compat.problem():
+        log.warning("Regraft is registered, but cannot render: %s", compat.problem())
+
+
+def unregister() -> None:
+    """Remove what is there, sessions first: viewports may just be tracing them."""
+    session.close_all()
+    handlers.unregister()
+    panels.detach()
+    properties.detach()
+    for cls in reversed(CLASSES):
+        if getattr(cls, "is_registered", False):
+            bpy.utils.unregister_class(cls)
