@@ -246,6 +246,17 @@ def animate(
     curve.update()
 
 
+def animate_by_samples(owner: bpy.types.ID, path: str, values: NDArray[Any]) -> None:
+    """Writes values (frames, axes) from frame 1 on as F-curves of plain samples, one a frame: small
+    and exact.
+    """
+    frames = np.arange(1, len(values) + 1)
+    for axis in range(values.shape[1]):
+        animate(owner, path, list(zip(frames, values[:, axis], strict=True)), index=axis)
+    for curve in owner.animation_data.action.fcurves:
+        curve.convert_to_samples(1, len(values) + 1)
+
+
 def ground(radius: float, color: Triple, name: str = "Ground") -> bpy.types.Object:
     """A flat disc of `radius` metres at height zero."""
     angles = np.linspace(0, 2 * math.pi, 64, endpoint=False)
