@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +76,8 @@ class SubprocessBackend:
         """Ends the worker: it stops by itself when its requests end."""
         assert self._process.stdin
         assert self._process.stdout
-        self._process.stdin.close()
+        with suppress(BrokenPipeError):
+            self._process.stdin.close()
         try:
             self._process.wait(timeout=20)
         except subprocess.TimeoutExpired:
@@ -90,7 +92,9 @@ class SubprocessBackend:
         for line in self._process.stdout:
             if line == protocol.GREETING:
                 return
-        raise self._death("did not start")
+        death = self._death("did not start")
+        self.close()
+        raise death
 
     def _ask(self, request: dict[str, Any]) -> Any:
         assert self._process.stdin

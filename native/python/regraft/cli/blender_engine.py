@@ -10,6 +10,8 @@ from regraft.cli.errors import InputError
 from regraft.cli.job import RenderJob
 
 ADDON = "regraft_blender"
+# Longer reports hold arguments and stacks that nobody reads in one line.
+_LONGEST = 300
 
 
 class Engine:
@@ -127,9 +129,11 @@ class _EvaluationClock:
 
 
 def report_words(error: RuntimeError) -> str:
-    """Blender's report in one line: without prefix, and of a traceback only its last words."""
-    lines = str(error).removeprefix("Error: ").strip().splitlines()
-    if any(line.lstrip().startswith("Traceback") for line in lines) or "Traceback" in lines[0]:
-        said = [line for line in lines if line and line[0].isalpha() and ": " in line]
-        lines = [line for line in said if not line.startswith(("Location:", "Python:"))][-1:]
-    return " ".join(" ".join(lines).split())
+    """Blender's report in one line: its first message, and of a traceback only the last words."""
+    text = str(error).removeprefix("Error: ").strip()
+    if "Traceback (most recent call last)" in text:
+        said = [line for line in text.splitlines() if line[:1].isalpha() and ": " in line]
+        said = [line for line in said if not line.startswith(("Location:", "Python:"))]
+        text = said[-1] if said else text
+    words = " ".join(text.split("\nError: ")[0].split())
+    return words if len(words) <= _LONGEST else f"{words[:_LONGEST]}… (--verbose shows all)"

@@ -59,6 +59,7 @@ def describe_write_failure(target: Path, error: Exception) -> OutputError:
 def free_megabytes(target: Path) -> float | None:
     """Space left on the file system that holds `target`, or None if nobody knows."""
     try:
-        return shutil.disk_usage(target if target.is_dir() else target.parent).free / 1e6
+        usage = shutil.disk_usage(target if target.is_dir() else target.parent)
     except OSError:
         return None
+    return usage.free / 1e6 if usage.total else None

@@ -26,16 +26,15 @@ def serve() -> None:
     """
     from regraft.cli.blender_worker import BlenderWorker
 
-    answers = os.fdopen(os.dup(1), "wb", buffering=0)
-    os.dup2(2, 1)
-    requests = os.fdopen(os.dup(0), "rb")
-    worker = BlenderWorker()
-    answers.write(GREETING)
-    try:
-        for line in requests:
-            answers.write(jsonl.encode(_answer(worker, json.loads(line))))
-    finally:
-        worker.close()
+    with os.fdopen(os.dup(1), "wb", buffering=0) as answers, os.fdopen(os.dup(0), "rb") as requests:
+        os.dup2(2, 1)
+        worker = BlenderWorker()
+        answers.write(GREETING)
+        try:
+            for line in requests:
+                answers.write(jsonl.encode(_answer(worker, json.loads(line))))
+        finally:
+            worker.close()
 
 
 def _answer(worker: Any, request: dict[str, Any]) -> dict[str, Any]:

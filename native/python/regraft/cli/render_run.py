@@ -170,11 +170,12 @@ def prepare(outputs: Outputs) -> None:
     for target in (outputs.statistics, outputs.movie):
         if target:
             _check_target(target)
-    if outputs.movie:
-        try:
+    try:
+        images.load_decoder(outputs.suffix)
+        if outputs.movie:
             movie.available()
-        except (ImportError, RuntimeError) as error:
-            raise OutputError(f"--movie needs the package imageio-ffmpeg: {error}") from error
+    except (ImportError, RuntimeError) as error:
+        raise OutputError(f"a package that writes or checks the output: {error}") from error
 
 
 def start_statistics(path: Path | None, kept_frames: set[int]) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+
+from regraft.formats.quiet import hold_back_output
 
 # What a complete file of the kind ends with.
 _ENDINGS = {".png": b"IEND\xaeB\x60\x82", ".jpg": b"\xff\xd9"}
@@ -15,10 +18,19 @@ class DamagedImageError(ValueError):
     """The file is not a whole image of the size expected."""
 
 
+def load_decoder(suffix: str) -> None:
+    """Imports what `verify` will need, so that the first frame does not pay for it.
+
+    Raises ImportError if it is not installed.
+    """
+    importlib.import_module("OpenEXR" if suffix == ".exr" else "PIL.Image")
+
+
 def verify(path: Path, width: int, height: int) -> None:
     """Decodes the whole file; raises DamagedImageError naming it when anything is amiss."""
     try:
-        found = _exr_size(path) if path.suffix == ".exr" else _pillow_size(path)
+        with hold_back_output():
+            found = _exr_size(path) if path.suffix == ".exr" else _pillow_size(path)
     except (OSError, SyntaxError, ValueError, RuntimeError) as error:
         raise DamagedImageError(f"{path.name} does not decode: {error}") from error
     if found != (width, height):
@@ -60,7 +72,7 @@ def _exr_size(path: Path) -> tuple[int, int]:
     with OpenEXR.File(str(path)) as file:
         sizes = {c.pixels.shape[:2] for part in file.parts for c in part.channels.values()}
     if len(sizes) != 1:
-        raise ValueError(f"channels of differing sizes {sorted(sizes)}")
+        raise ValueError("pixels are missing")
     height, width = sizes.pop()
     return int(width), int(height)
 
