@@ -103,8 +103,8 @@ void Accelerator::State::count(const Scene& scene, UpdateStatistics& s) const {
     s.memory_bytes += blases[id].bytes() + normals[id].bytes();
   }
   s.culling_efficiency = tlas.sah_cost(instances);
-  const double built = tlas.built_cost(instances);
-  s.cost_ratio = built > 0.0 ? s.culling_efficiency / built : 1.0;
+  const double unworn = tlas.unworn_cost(instances);
+  s.cost_ratio = unworn > 0.0 ? s.culling_efficiency / unworn : 1.0;
 }
 
 void Accelerator::State::list_left_out(const Scene& scene, const ChangeSet& changes,

@@ -4,7 +4,6 @@
 
 #include "regraft/accel/triangle_bounds.h"
 #include "regraft/bvh/binned_sah_builder.h"
-#include "regraft/bvh/refit.h"
 #include "regraft/bvh/validate.h"
 
 namespace regraft::accel {
@@ -34,22 +33,16 @@ TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Policy policy, in
                       Executor& executor) {
   const bool topology = topology_changed || wide_.width() != width;
   const bool dead_wake = exists_ && !topology && revived(mesh);
-  const double ratio = built_cost_ > 0.0 ? cost_ / built_cost_ : 1.0;
-  TreeUpdate todo = choose_update({exists_, topology || dead_wake, true, ratio}, policy);
+  TreeState state{exists_, topology || dead_wake, true, wear()};
+  TreeUpdate todo = choose_update(state, policy);
   TreeWork work;
   if (todo == TreeUpdate::refit) {
-    const auto bounds = [&](std::uint32_t t) { return fast_triangle_bounds(mesh, t); };
-    const bvh::RefitResult result = bvh::refit(bvh_, bounds, executor);
-    work.nodes_refitted = result.nodes;
-    cost_ = result.sah_cost;
+    now_ = refit(mesh, executor);
+    work.nodes_refitted = now_.nodes;
     // The refit has just measured this frame's damage: a tree found worn out is not traced.
-    const bool worn =
-        policy == Policy::automatic && built_cost_ > 0.0 &&
-        choose_update({true, false, true, cost_ / built_cost_}, policy) == TreeUpdate::rebuild;
-    if (worn)
-      todo = TreeUpdate::rebuild;
-    else
-      wide_.refit(bvh_, executor);
+    state.wear = wear();
+    todo = choose_update(state, policy);
+    if (todo == TreeUpdate::refit) wide_.refit(bvh_, executor);
   }
   if (todo == TreeUpdate::rebuild) {
     build(mesh, width, executor);
@@ -76,8 +69,13 @@ void Blas::build(const Mesh& mesh, int width, Executor& executor) {
   }
   bvh_ = bvh::BinnedSahBuilder::build(boxes, ids, {}, executor);
   wide_ = bvh::WideBvh::derive(bvh_, width, executor);
-  cost_ = built_cost_ = bvh::sah_cost(bvh_);
+  now_ = built_ = refit(mesh, executor);
   exists_ = true;
+}
+
+bvh::RefitResult Blas::refit(const Mesh& mesh, Executor& executor) {
+  const auto bounds = [&](std::uint32_t t) { return fast_triangle_bounds(mesh, t); };
+  return bvh::refit(bvh_, bounds, executor);
 }
 
 bool Blas::revived(const Mesh& mesh) const {

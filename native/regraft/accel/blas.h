@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "regraft/accel/update_policy.h"
-#include "regraft/bvh/sah.h"
+#include "regraft/bvh/refit.h"
 #include "regraft/bvh/wide_bvh.h"
 #include "regraft/core/executor.h"
 #include "regraft/scene/mesh.h"
@@ -33,8 +33,8 @@ class Blas {
   bool exists() const { return exists_; }
   const bvh::Bvh& bvh() const { return bvh_; }
   Aabb bounds() const { return bvh_.bounds(); }
-  double sah_cost() const { return cost_; }
-  double built_cost() const { return built_cost_; }
+  double sah_cost() const { return now_.sah_cost; }
+  double wear() const { return now_.wear(built_); }
   /// Triangles left out of the tree: not finite, and of zero area.
   std::uint32_t non_finite() const { return non_finite_; }
   std::uint32_t zero_area() const { return zero_area_; }
@@ -45,6 +45,7 @@ class Blas {
 
  private:
   void build(const Mesh& mesh, int width, Executor& executor);
+  bvh::RefitResult refit(const Mesh& mesh, Executor& executor);
   bool revived(const Mesh& mesh) const;
 
   bvh::Bvh bvh_;
@@ -52,8 +53,8 @@ class Blas {
   std::vector<std::uint32_t> dropped_;
   std::uint32_t non_finite_ = 0;
   std::uint32_t zero_area_ = 0;
-  double cost_ = 0.0;
-  double built_cost_ = 0.0;
+  bvh::RefitResult now_;
+  bvh::RefitResult built_;
   bool exists_ = false;
 };
 

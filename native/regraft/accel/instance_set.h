@@ -41,8 +41,6 @@ class InstanceSet {
   const Vec3d& origin() const { return origin_; }
   /// The tree behind `views()[i]`.
   const Blas& tree(std::size_t i) const { return *trees_[i]; }
-  double tree_cost(std::size_t i) const { return trees_[i]->sah_cost(); }
-  double tree_built_cost(std::size_t i) const { return trees_[i]->built_cost(); }
   /// The mesh that `views()[i]` refers to: the scene's, or the baked one.
   const Mesh& mesh(const Scene& scene, std::size_t i) const;
 

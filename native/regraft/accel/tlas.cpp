@@ -2,7 +2,6 @@
 
 #include "regraft/accel/triangle_bounds.h"
 #include "regraft/bvh/binned_sah_builder.h"
-#include "regraft/bvh/refit.h"
 #include "regraft/bvh/validate.h"
 
 namespace regraft::accel {
@@ -55,15 +54,13 @@ TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances, Layout l
                       bool set_changed, bool moved, Policy policy, int width, Executor& executor) {
   const bool topology = set_changed || layout != layout_ || width != wide_.width();
   layout_ = layout;
-  TreeState state{exists_, topology, moved, built_cost_ > 0.0 ? cost_ / built_cost_ : 1.0};
+  TreeState state{exists_, topology, moved, now_.wear(built_)};
   TreeWork work{choose_update(state, policy)};
   if (work.done == TreeUpdate::refit) {
     measure(scene, instances, executor);
-    const bvh::RefitResult result = bvh::refit(
-        bvh_, [&](std::uint32_t i) { return bvh::Box4(boxes_[i]); }, executor);
-    work.nodes_refitted = result.nodes;
-    cost_ = result.sah_cost;
-    state.cost_ratio = built_cost_ > 0.0 ? cost_ / built_cost_ : 1.0;
+    now_ = refit(executor);
+    work.nodes_refitted = now_.nodes;
+    state.wear = now_.wear(built_);
     work.done = choose_update(state, policy);
     if (work.done == TreeUpdate::refit) wide_.refit(bvh_, executor);
   }
@@ -76,25 +73,28 @@ TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances, Layout l
     }
     bvh_ = bvh::BinnedSahBuilder::build(boxes_, ids_, config, executor);
     wide_ = bvh::WideBvh::derive(bvh_, width, executor);
-    cost_ = built_cost_ = bvh::sah_cost(bvh_);
+    now_ = built_ = refit(executor);
     work.nodes_rebuilt = bvh_.node_count();
     exists_ = true;
   }
   return work;
 }
 
+bvh::RefitResult Tlas::refit(Executor& executor) {
+  return bvh::refit(
+      bvh_, [&](std::uint32_t i) { return bvh::Box4(boxes_[i]); }, executor);
+}
+
 double Tlas::sah_cost(const InstanceSet& instances) const {
-  if (layout_ == Layout::flat) return cost_;
-  return cost_through(instances, &InstanceSet::tree_cost);
+  return layout_ == Layout::flat ? now_.sah_cost : cost_through(instances, false);
 }
 
-double Tlas::built_cost(const InstanceSet& instances) const {
-  if (layout_ == Layout::flat) return built_cost_;
-  return cost_through(instances, &InstanceSet::tree_built_cost);
+double Tlas::unworn_cost(const InstanceSet& instances) const {
+  const double below = layout_ == Layout::flat ? now_.sah_cost : cost_through(instances, true);
+  return below / now_.wear(built_);
 }
 
-double Tlas::cost_through(const InstanceSet& instances,
-                          double (InstanceSet::*tree)(std::size_t) const) const {
+double Tlas::cost_through(const InstanceSet& instances, bool unworn) const {
   double sum = 0.0;
   const Aabb root = bvh_.bounds();
   for (std::size_t n = 0; n < bvh_.nodes.size(); ++n) {
@@ -105,8 +105,10 @@ double Tlas::cost_through(const InstanceSet& instances,
       sum += probability;
       continue;
     }
-    for (std::uint32_t i = 0; i < node.count; ++i)
-      sum += probability * (instances.*tree)(bvh_.prim_ids[node.first + i]);
+    for (std::uint32_t i = 0; i < node.count; ++i) {
+      const Blas& tree = instances.tree(bvh_.prim_ids[node.first + i]);
+      sum += probability * (unworn ? tree.sah_cost() / tree.wear() : tree.sah_cost());
+    }
   }
   return sum;
 }

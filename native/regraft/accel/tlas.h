@@ -6,6 +6,7 @@
 
 #include "regraft/accel/blas.h"
 #include "regraft/accel/instance_set.h"
+#include "regraft/bvh/refit.h"
 #include "regraft/bvh/wide_bvh.h"
 
 namespace regraft::accel {
@@ -23,8 +24,8 @@ class Tlas {
   const bvh::Bvh& bvh() const { return bvh_; }
   /// Expected tests of a ray that hits the scene's box, down through the instances' trees.
   double sah_cost(const InstanceSet& instances) const;
-  /// The same as it was right after the last builds.
-  double built_cost(const InstanceSet& instances) const;
+  /// The same if no tree had worn since its last build.
+  double unworn_cost(const InstanceSet& instances) const;
 
   /// Fills the top tree's part of the view.
   void show(trace::TraceView& view) const;
@@ -32,10 +33,10 @@ class Tlas {
   std::string validate() const;
 
  private:
+  bvh::RefitResult refit(Executor& executor);
   void measure(const Scene& scene, const InstanceSet& instances, Executor& executor);
   void collect_primitives(const Scene& scene, const InstanceSet& instances, Executor& executor);
-  double cost_through(const InstanceSet& instances,
-                      double (InstanceSet::*tree)(std::size_t) const) const;
+  double cost_through(const InstanceSet& instances, bool unworn) const;
 
   Layout layout_ = Layout::two_level;
   bvh::Bvh bvh_;
@@ -43,8 +44,8 @@ class Tlas {
   std::vector<Aabb> boxes_;
   std::vector<trace::FlatPrim> flat_;
   std::vector<std::uint32_t> ids_;
-  double cost_ = 0.0;
-  double built_cost_ = 0.0;
+  bvh::RefitResult now_;
+  bvh::RefitResult built_;
   bool exists_ = false;
 };
 

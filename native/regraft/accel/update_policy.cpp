@@ -13,7 +13,7 @@ TreeUpdate choose_update(const TreeState& tree, Policy policy) {
     case Policy::automatic:
       break;
   }
-  return tree.cost_ratio > worn_out ? TreeUpdate::rebuild : TreeUpdate::refit;
+  return tree.wear > worn_out ? TreeUpdate::rebuild : TreeUpdate::refit;
 }
 
 std::string_view name(Policy policy) {

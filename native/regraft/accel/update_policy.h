@@ -19,8 +19,8 @@ struct UpdateOptions {
 
 enum class TreeUpdate : std::uint8_t { none, refit, rebuild };
 
-/// `auto` rebuilds a tree whose SAH cost has grown by this factor since its last build: about
-/// where a frame's extra tests cost as much as the build that would save them.
+/// `auto` rebuilds a tree whose wear (bvh::RefitResult) has grown to this since its last build:
+/// about where a frame's extra tests cost as much as the build that would save them.
 inline constexpr double worn_out = 1.3;
 
 /// What is known of one tree when its update is chosen.
@@ -28,8 +28,8 @@ struct TreeState {
   bool exists = false;
   bool topology_changed = false;
   bool moved = false;
-  /// SAH cost now over the cost right after the last build.
-  double cost_ratio = 1.0;
+  /// How much worse it has become since its last build; see bvh::RefitResult.
+  double wear = 1.0;
 };
 
 /// The one place where refit or rebuild is decided.

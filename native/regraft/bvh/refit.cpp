@@ -35,6 +35,7 @@ RefitResult finish_refit(Bvh& bvh, const std::vector<std::uint32_t>& frontier,
   RefitSum sum;
   for (const RefitSum& s : sums) {
     sum.cost += s.cost;
+    sum.prim_area += s.prim_area;
     sum.nodes += s.nodes;
   }
   const auto above = [&](const auto& self, std::uint32_t index) -> Aabb {
@@ -49,7 +50,8 @@ RefitResult finish_refit(Bvh& bvh, const std::vector<std::uint32_t>& frontier,
   };
   above(above, 0);
   const double root_area = half_area(bvh.nodes[0].bounds());
-  return {sum.nodes, root_area > 0.0 ? sum.cost / root_area : sah_cost(bvh, model)};
+  return {sum.nodes, root_area > 0.0 ? sum.cost / root_area : sah_cost(bvh, model),
+          sum.prim_area > 0.0 ? sum.cost / sum.prim_area : 0.0};
 }
 
 }  // namespace regraft::bvh::detail

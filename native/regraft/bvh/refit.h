@@ -20,6 +20,15 @@ struct RefitResult {
   std::uint64_t nodes = 0;
   /// C(root) after the refit, as `sah_cost` computes it wherever areas are not zero.
   double sah_cost = 0.0;
+  /// Σ area·tests over all nodes against the area of the primitives themselves (one a leaf). The
+  /// root's area does not enter: while a scene flies apart its root grows as fast as everything
+  /// in it, and C(root) sees no damage.
+  double looseness = 0.0;
+
+  /// How much worse the tree has become since `built`, measured right after its build.
+  double wear(const RefitResult& built) const {
+    return built.looseness > 0.0 ? looseness / built.looseness : 1.0;
+  }
 };
 
 namespace detail {
@@ -29,6 +38,7 @@ std::vector<std::uint32_t> refit_frontier(const Bvh& bvh);
 
 struct RefitSum {
   double cost = 0.0;
+  double prim_area = 0.0;
   std::uint64_t nodes = 0;
 };
 
@@ -39,7 +49,9 @@ Box4 refit_subtree(Bvh& bvh, std::uint32_t index, const F& bounds, const CostMod
   Box4 box;
   double tests = 1.0;
   if (node.leaf()) {
-    for (std::uint32_t i = 0; i < node.count; ++i) box.extend(bounds(bvh.prim_ids[node.first + i]));
+    box = bounds(bvh.prim_ids[node.first]);
+    sum.prim_area += half_area(box.aabb());
+    for (std::uint32_t i = 1; i < node.count; ++i) box.extend(bounds(bvh.prim_ids[node.first + i]));
     tests = node.count * model.leaf;
   } else {
     box = refit_subtree(bvh, node.first, bounds, model, sum);
