@@ -1,6 +1,8 @@
 #include "regraft/render/tile_loop.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <chrono>
 #include <limits>
 
@@ -95,28 +97,36 @@ void TileLoop::render_block(std::size_t block) {
   tally_.total_ns += std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count();
 }
 
-void TileLoop::store(const shade::Tile& tile, const shade::TilePixels& pixels) {
-  shade::for_each_lane(tile.active, [&](std::uint32_t i) {
-    store_lane(pixels, i, tile.x0 + i % 8 - raster_.x0, tile.y0 + i / 8 - raster_.y0);
-  });
+namespace {
+
+/// Writes the lanes of a tile into a plane, a row of pixels at a time.
+template <std::size_t Channels>
+void store_plane(const shade::Tile& tile, const shade::Raster& raster,
+                 const std::array<const shade::FloatLanes*, Channels>& from, Image& to) {
+  for (std::uint32_t row = 0; row < 8; ++row) {
+    const auto columns = std::uint32_t(tile.active >> (8 * row) & 0xFFu);
+    if (columns == 0) continue;
+    const auto first = std::uint32_t(std::countr_zero(columns));
+    const auto count = std::uint32_t(std::popcount(columns));
+    float* pixel = to.pixel(tile.x0 + first - raster.x0, tile.y0 + row - raster.y0);
+    for (std::uint32_t x = 0; x < count; ++x)
+      for (std::size_t c = 0; c < Channels; ++c)
+        pixel[Channels * x + c] = (*from[c])[8 * row + first + x];
+  }
 }
 
-void TileLoop::store_lane(const shade::TilePixels& pixels, std::uint32_t i, std::uint32_t x,
-                          std::uint32_t y) {
+}  // namespace
+
+void TileLoop::store(const shade::Tile& tile, const shade::TilePixels& p) {
   const Planes& wanted = picture_.settings.planes;
-  if (wanted.combined) {
-    float* to = combined_.pixel(x, y);
-    for (int c = 0; c < 4; ++c) to[c] = pixels.combined[c][i];
-  }
-  if (wanted.normal) {
-    float* to = normal_.pixel(x, y);
-    to[0] = pixels.normal.x[i];
-    to[1] = pixels.normal.y[i];
-    to[2] = pixels.normal.z[i];
-  }
-  if (wanted.depth) *depth_.pixel(x, y) = pixels.depth[i];
-  if (wanted.object_index) *object_index_.pixel(x, y) = pixels.object_index[i];
-  if (wanted.cost) *cost_.pixel(x, y) = pixels.cost[i];
+  if (wanted.combined)
+    store_plane<4>(tile, raster_, {&p.combined[0], &p.combined[1], &p.combined[2], &p.combined[3]},
+                   combined_);
+  if (wanted.normal)
+    store_plane<3>(tile, raster_, {&p.normal.x, &p.normal.y, &p.normal.z}, normal_);
+  if (wanted.depth) store_plane<1>(tile, raster_, {&p.depth}, depth_);
+  if (wanted.object_index) store_plane<1>(tile, raster_, {&p.object_index}, object_index_);
+  if (wanted.cost) store_plane<1>(tile, raster_, {&p.cost}, cost_);
 }
 
 /// Tiles that were not finished show nothing: transparent, infinitely far.

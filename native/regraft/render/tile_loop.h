@@ -41,8 +41,6 @@ class TileLoop {
   void make_images();
   void render_block(std::size_t block);
   void store(const shade::Tile& tile, const shade::TilePixels& pixels);
-  void store_lane(const shade::TilePixels& pixels, std::uint32_t lane, std::uint32_t x,
-                  std::uint32_t y);
   void clear_unfinished();
   shade::Tile tile(std::size_t index) const;
 

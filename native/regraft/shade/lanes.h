@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "regraft/simd/float_n.h"
 #include "regraft/trace/hit.h"
 
 namespace regraft::shade {
@@ -19,8 +20,8 @@ inline constexpr LaneMask all_lanes = ~LaneMask(0);
 template <typename T>
 struct alignas(64) Lanes {
   T value[lane_count];
-  T& operator[](std::size_t i) { return value[i]; }
-  const T& operator[](std::size_t i) const { return value[i]; }
+  constexpr T& operator[](std::size_t i) { return value[i]; }
+  constexpr const T& operator[](std::size_t i) const { return value[i]; }
   void fill(T x) {
     for (T& lane : value) lane = x;
   }
@@ -43,11 +44,31 @@ void for_each_lane(LaneMask mask, const Body& body) {
   for (; mask != 0; mask &= mask - 1) body(std::uint32_t(std::countr_zero(mask)));
 }
 
-/// Bit i is set where `values[i] > threshold`.
-inline LaneMask lanes_above(const FloatLanes& values, float threshold) {
+/// Bit i is set where `values[i]` < `threshold`.
+inline LaneMask lanes_below(const float (&values)[lane_count], float threshold) {
+  using Pack = simd::REGRAFT_SIMD_NAMESPACE::Float<4>;
   LaneMask mask = 0;
-  for (std::uint32_t i = 0; i < lane_count; ++i) mask |= LaneMask(values[i] > threshold) << i;
+  for (std::uint32_t i = 0; i < lane_count; i += 4)
+    mask |= LaneMask(Pack::load(values + i) < Pack(threshold)) << i;
   return mask;
+}
+
+/// Bit i is set where `values[i]` > `threshold`.
+inline LaneMask lanes_above(const FloatLanes& values, float threshold) {
+  using Pack = simd::REGRAFT_SIMD_NAMESPACE::Float<4>;
+  LaneMask mask = 0;
+  for (std::uint32_t i = 0; i < lane_count; i += 4)
+    mask |= LaneMask(Pack(threshold) < Pack::load(values.value + i)) << i;
+  return mask;
+}
+
+/// 1 in the lanes of `mask`, 0 elsewhere: what loops multiply by instead of branching.
+inline void set_weights(LaneMask mask, FloatLanes& out) {
+  // Halves, because 64-bit lanes cannot be compared by every instruction set.
+  for (std::uint32_t half = 0; half < lane_count; half += 32) {
+    const auto bits = std::uint32_t(mask >> half);
+    for (std::uint32_t i = 0; i < 32; ++i) out[half + i] = (bits & 1u << i) != 0 ? 1.0f : 0.0f;
+  }
 }
 
 inline float max_of(float a, float b) {

@@ -12,21 +12,20 @@ namespace {
 constexpr std::uint32_t mirrored_dimensions = 1u << 16;
 
 /// Weights of a layer: its coverage of what the layers before have left; `left` becomes the rest.
-void cover(const FloatLanes& alpha, LaneMask lanes, bool opaque, FloatLanes& left,
-           FloatLanes& weight) {
+void cover(const FloatLanes& alpha, LaneMask lanes, FloatLanes& left, FloatLanes& weight) {
+  FloatLanes here;
+  set_weights(lanes, here);
   for (std::uint32_t i = 0; i < lane_count; ++i) {
-    const float own = opaque ? 1.0f : min_of(max_of(alpha[i], 0.0f), 1.0f);
-    weight[i] = has_lane(lanes, i) ? left[i] * own : 0.0f;
+    weight[i] = left[i] * (here[i] * min_of(max_of(alpha[i], 0.0f), 1.0f));
     left[i] -= weight[i];
   }
 }
 
 void add_weighted(const FloatLanes& weight, const Vec3Lanes& color, Vec3Lanes& sum) {
   for (std::uint32_t i = 0; i < lane_count; ++i) {
-    // Lanes without weight may hold anything.
-    sum.x[i] += weight[i] > 0.0f ? weight[i] * color.x[i] : 0.0f;
-    sum.y[i] += weight[i] > 0.0f ? weight[i] * color.y[i] : 0.0f;
-    sum.z[i] += weight[i] > 0.0f ? weight[i] * color.z[i] : 0.0f;
+    sum.x[i] += weight[i] * color.x[i];
+    sum.y[i] += weight[i] * color.y[i];
+    sum.z[i] += weight[i] * color.z[i];
   }
 }
 
@@ -80,8 +79,9 @@ void make_mirror_rays(const SurfaceLanes& s, LaneMask active, trace::RayPacket& 
 }  // namespace
 
 /// Composites what the rays meet, front to back; with opaque materials the first layer is all.
-/// `sight.surface` must be found where `sight.hit` says so. The rays are used up.
-void TileShader::lit_layers(Sight& sight, bool mirrors, Layers& out) {
+/// `sight.surface` must be found where `sight.hit` says so. The rays are used up. `world_alpha`:
+/// how much of the world is seen behind everything.
+void TileShader::lit_layers(Sight& sight, bool mirrors, float world_alpha, Layers& out) {
   FloatLanes left, weight;
   left.fill(1.0f);
   out.color = Vec3Lanes{};
@@ -91,7 +91,8 @@ void TileShader::lit_layers(Sight& sight, bool mirrors, Layers& out) {
     Vec3Lanes radiance;
     read_materials(sight.surface, material);
     shade(sight.surface, material, mirrors, radiance);
-    cover(material.alpha, sight.hit, last, left, weight);
+    if (last) material.alpha.fill(1.0f);
+    cover(material.alpha, sight.hit, left, weight);
     add_weighted(weight, radiance, out.color);
     const LaneMask going = lanes_above(left, 0.0f) & sight.hit;
     if (going == 0) break;
@@ -101,13 +102,13 @@ void TileShader::lit_layers(Sight& sight, bool mirrors, Layers& out) {
     if (sight.hit != 0)
       find_surfaces(sight.rays, sight.hits, sight.hit, {true, true}, instances_, sight.surface);
   }
-  const float alpha = picture_.settings.transparent_background ? 0.0f : 1.0f;
-  Vec3Lanes world;
-  world.x.fill(picture_.world.x * alpha);
-  world.y.fill(picture_.world.y * alpha);
-  world.z.fill(picture_.world.z * alpha);
-  add_weighted(left, world, out.color);
-  for (std::uint32_t i = 0; i < lane_count; ++i) out.alpha[i] = 1.0f - left[i] * (1.0f - alpha);
+  const Vec3 world = picture_.world * world_alpha;
+  for (std::uint32_t i = 0; i < lane_count; ++i) {
+    out.color.x[i] += left[i] * world.x;
+    out.color.y[i] += left[i] * world.y;
+    out.color.z[i] += left[i] * world.z;
+    out.alpha[i] = 1.0f - left[i] * (1.0f - world_alpha);
+  }
 }
 
 /// Radiance of opaque surfaces towards the viewer.
@@ -158,13 +159,14 @@ void TileShader::add_mirror(const SurfaceLanes& surface, const MaterialLanes& ma
   sight.hit = hit_lanes(sight.hits, lanes);
   if (sight.hit != 0)
     find_surfaces(sight.rays, sight.hits, sight.hit, {true, true}, instances_, sight.surface);
-  lit_layers(sight, false, image);
+  lit_layers(sight, false, 1.0f, image);
+  FloatLanes weight;
+  set_weights(lanes, weight);
   for (std::uint32_t i = 0; i < lane_count; ++i) {
-    const float metal = has_lane(lanes, i) ? material.metallic[i] : 0.0f;
-    const float weight = has_lane(lanes, i) ? share[i] : 0.0f;
-    radiance.x[i] += weight * image.color.x[i] * (1.0f + metal * (material.base.x[i] - 1.0f));
-    radiance.y[i] += weight * image.color.y[i] * (1.0f + metal * (material.base.y[i] - 1.0f));
-    radiance.z[i] += weight * image.color.z[i] * (1.0f + metal * (material.base.z[i] - 1.0f));
+    const float mirrored = weight[i] * share[i], metal = material.metallic[i];
+    radiance.x[i] += mirrored * image.color.x[i] * (1.0f + metal * (material.base.x[i] - 1.0f));
+    radiance.y[i] += mirrored * image.color.y[i] * (1.0f + metal * (material.base.y[i] - 1.0f));
+    radiance.z[i] += mirrored * image.color.z[i] * (1.0f + metal * (material.base.z[i] - 1.0f));
   }
 }
 

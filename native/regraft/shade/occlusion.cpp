@@ -8,7 +8,7 @@ namespace regraft::shade {
 namespace {
 
 /// Directions about the normals, denser towards them (Malley's method), and lengths.
-void make_rays(const SurfaceLanes& surface, const PointLanes& direction, const PointLanes& reach,
+void make_rays(const SurfaceLanes& surface, const PointLanes& direction, const FloatLanes& reach,
                float radius, trace::RayPacket& rays) {
   for (std::uint32_t i = 0; i < lane_count; ++i) {
     const float nx = surface.normal.x[i], ny = surface.normal.y[i], nz = surface.normal.z[i];
@@ -22,7 +22,7 @@ void make_rays(const SurfaceLanes& surface, const PointLanes& direction, const P
     rays.direction[1][i] = a * frame.ty + b * frame.by + up * ny;
     rays.direction[2][i] = a * frame.tz + b * frame.bz + up * nz;
     rays.t_near[i] = 0.0f;
-    rays.t_far[i] = radius * reach.u[i];
+    rays.t_far[i] = radius * reach[i];
   }
   for (int k = 0; k < 3; ++k)
     for (std::uint32_t i = 0; i < lane_count; ++i) rays.origin[k][i] = surface.position[k][i];
@@ -48,19 +48,21 @@ Occlusion::Occlusion(float radius, std::uint32_t samples, std::uint64_t seed)
 
 void Occlusion::openness(const SurfaceLanes& surface, std::uint32_t x0, std::uint32_t y0,
                          std::uint32_t sample, TalliedTracer& tracer, FloatLanes& open) const {
-  Lanes<std::uint32_t> free;
-  free.fill(0);
+  FloatLanes free;
+  open.fill(0.0f);
   trace::RayPacket rays;
-  PointLanes direction, reach;
+  PointLanes direction;
+  FloatLanes reach;
   for (std::uint32_t ray = 0; ray < rays_; ++ray) {
     const std::uint32_t number = sample * rays_ + ray;
     sampler_.points(x0, y0, number, std::uint32_t(Dimension::occlusion), direction);
-    sampler_.points(x0, y0, number, std::uint32_t(Dimension::reach), reach);
+    sampler_.numbers(x0, y0, number, std::uint32_t(Dimension::reach), reach);
     make_rays(surface, direction, reach, radius_, rays);
     const LaneMask blocked = tracer.secondary_any(rays);
-    for (std::uint32_t i = 0; i < lane_count; ++i) free[i] += has_lane(~blocked, i) ? 1u : 0u;
+    set_weights(~blocked, free);
+    for (std::uint32_t i = 0; i < lane_count; ++i) open[i] += free[i];
   }
-  for (std::uint32_t i = 0; i < lane_count; ++i) open[i] = float(free[i]) / float(rays_);
+  for (float& value : open.value) value /= float(rays_);
 }
 
 }  // namespace regraft::shade

@@ -121,73 +121,70 @@ void TileShader::add_sample(Sight& sight, TilePixels& out) {
   if (!planes.combined) return;
   const LaneMask active = sight.rays.active;
   Layers layers;
+  FloatLanes weight;
   combine(sight, layers);
+  set_weights(active, weight);
   for (std::uint32_t i = 0; i < lane_count; ++i) {
-    const float weight = has_lane(active, i) ? 1.0f : 0.0f;
-    out.combined[0][i] += weight * layers.color.x[i];
-    out.combined[1][i] += weight * layers.color.y[i];
-    out.combined[2][i] += weight * layers.color.z[i];
-    out.combined[3][i] += weight * layers.alpha[i];
+    out.combined[0][i] += weight[i] * layers.color.x[i];
+    out.combined[1][i] += weight[i] * layers.color.y[i];
+    out.combined[2][i] += weight[i] * layers.color.z[i];
+    out.combined[3][i] += weight[i] * layers.alpha[i];
   }
 }
 
 void TileShader::combine(Sight& sight, Layers& out) {
+  const float world_alpha = picture_.settings.transparent_background ? 0.0f : 1.0f;
   switch (picture_.settings.shading) {
     case Shading::clay:
       return clay(sight, out);
     case Shading::occlusion:
       return occlude(sight, out);
     case Shading::direct:
-      return lit_layers(sight, false, out);
+      return lit_layers(sight, false, world_alpha, out);
     case Shading::reflection:
-      return lit_layers(sight, true, out);
+      return lit_layers(sight, true, world_alpha, out);
     case Shading::cost:
       return heat(sight, out);
   }
 }
 
-/// The world, where nothing was hit.
-void TileShader::background(LaneMask lanes, Layers& out) const {
+/// Opaque surfaces where something was hit, the world elsewhere.
+void TileShader::show(LaneMask hit, const FloatLanes& grey, Layers& out) const {
   const float alpha = picture_.settings.transparent_background ? 0.0f : 1.0f;
   const Vec3 color = picture_.world * alpha;
+  FloatLanes here;
+  set_weights(hit, here);
   for (std::uint32_t i = 0; i < lane_count; ++i) {
-    const bool here = has_lane(lanes, i);
-    out.color.x[i] = here ? color.x : out.color.x[i];
-    out.color.y[i] = here ? color.y : out.color.y[i];
-    out.color.z[i] = here ? color.z : out.color.z[i];
-    out.alpha[i] = here ? alpha : 1.0f;
+    const float surface = here[i] * grey[i], rest = 1.0f - here[i];
+    out.color.x[i] = surface + rest * color.x;
+    out.color.y[i] = surface + rest * color.y;
+    out.color.z[i] = surface + rest * color.z;
+    out.alpha[i] = here[i] + rest * alpha;
   }
 }
-
-namespace {
-
-void set_grey(std::uint32_t i, float value, Vec3Lanes& color) {
-  color.x[i] = value;
-  color.y[i] = value;
-  color.z[i] = value;
-}
-
-}  // namespace
 
 void TileShader::clay(const Sight& sight, Layers& out) const {
-  if (sight.hit != 0) {
-    const Vec3Lanes& n = sight.surface.normal;
-    const Vec3Lanes& v = sight.surface.view;
+  const Vec3Lanes& n = sight.surface.normal;
+  const Vec3Lanes& v = sight.surface.view;
+  FloatLanes grey;
+  if (sight.hit == 0) {
+    grey.fill(0.0f);
+  } else {
     for (std::uint32_t i = 0; i < lane_count; ++i) {
       const float facing = n.x[i] * v.x[i] + (n.y[i] * v.y[i] + n.z[i] * v.z[i]);
-      set_grey(i, clay_edge + (clay_face - clay_edge) * max_of(facing, 0.0f), out.color);
+      grey[i] = clay_edge + (clay_face - clay_edge) * max_of(facing, 0.0f);
     }
   }
-  background(~sight.hit, out);
+  show(sight.hit, grey, out);
 }
 
 void TileShader::occlude(const Sight& sight, Layers& out) {
-  if (sight.hit != 0) {
-    FloatLanes open;
+  FloatLanes open;
+  if (sight.hit == 0)
+    open.fill(0.0f);
+  else
     picture_.occlusion.openness(sight.surface, tile_.x0, tile_.y0, sample_, tracer_, open);
-    for (std::uint32_t i = 0; i < lane_count; ++i) set_grey(i, open[i], out.color);
-  }
-  background(~sight.hit, out);
+  show(sight.hit, open, out);
 }
 
 /// The heat map covers the background too: rays that hit nothing have their cost as well.

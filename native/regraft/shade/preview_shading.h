@@ -99,9 +99,9 @@ class TileShader {
   void clay(const Sight& sight, Layers& out) const;
   void occlude(const Sight& sight, Layers& out);
   void heat(const Sight& sight, Layers& out) const;
-  void background(LaneMask lanes, Layers& out) const;
+  void show(LaneMask hit, const FloatLanes& grey, Layers& out) const;
 
-  void lit_layers(Sight& sight, bool mirrors, Layers& out);
+  void lit_layers(Sight& sight, bool mirrors, float world_alpha, Layers& out);
   void shade(const SurfaceLanes& surface, const MaterialLanes& material, bool mirrors,
              Vec3Lanes& radiance);
   void add_lights(const SurfaceLanes& surface, const ReflectanceLanes& reflectance, bool mirrors,

@@ -28,6 +28,18 @@ void set(MaterialLanes& out, std::uint32_t i, const Material& m) {
   out.roughness[i] = m.roughness;
 }
 
+void fill(MaterialLanes& out, const Material& m) {
+  out.base.x.fill(m.base_color.x);
+  out.base.y.fill(m.base_color.y);
+  out.base.z.fill(m.base_color.z);
+  out.alpha.fill(m.base_color.w);
+  out.emission.x.fill(m.emission.x);
+  out.emission.y.fill(m.emission.y);
+  out.emission.z.fill(m.emission.z);
+  out.metallic.fill(m.metallic);
+  out.roughness.fill(m.roughness);
+}
+
 float normal_view(const SurfaceLanes& s, std::uint32_t i) {
   return s.normal.x[i] * s.view.x[i] + (s.normal.y[i] * s.view.y[i] + s.normal.z[i] * s.view.z[i]);
 }
@@ -40,6 +52,7 @@ float power5(float x) {
 }  // namespace
 
 void read_materials(const SurfaceLanes& surface, MaterialLanes& out) {
+  if (surface.one_material) return fill(out, *surface.material[0]);
   for (std::uint32_t i = 0; i < lane_count; ++i) set(out, i, *surface.material[i]);
 }
 

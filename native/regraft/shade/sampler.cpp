@@ -7,12 +7,14 @@ namespace regraft::shade {
 
 namespace {
 
+/// The steps commute. In this order the compiler does not see a byte swap in them, an instruction
+/// that has no SIMD version everywhere.
 std::uint32_t reverse_bits(std::uint32_t x) {
+  x = x >> 16 | x << 16;
   x = (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
-  x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;
-  x = (x >> 4 & 0x0F0F0F0Fu) | (x & 0x0F0F0F0Fu) << 4;
   x = (x >> 8 & 0x00FF00FFu) | (x & 0x00FF00FFu) << 8;
-  return x >> 16 | x << 16;
+  x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;
+  return (x >> 4 & 0x0F0F0F0Fu) | (x & 0x0F0F0F0Fu) << 4;
 }
 
 /// A nested uniform (Owen) scramble of a number whose bits are reversed: a bit depends only on
@@ -46,7 +48,7 @@ std::uint32_t mix(std::uint32_t x) {
   return x ^ x >> 15;
 }
 
-/// Bits of x at even places.
+/// Bits of x at even places, so that two of them interleave to a place on the Z curve.
 std::uint32_t spread(std::uint32_t x) {
   x &= 0xFFFFu;
   x = (x | x << 8) & 0x00FF00FFu;
@@ -55,9 +57,19 @@ std::uint32_t spread(std::uint32_t x) {
   return (x | x << 1) & 0x55555555u;
 }
 
+/// Signed, because only that conversion exists for every SIMD instruction set.
 float unit_float(std::uint32_t x) {
-  return float(x >> 8) * 0x1p-24f;
+  return float(std::int32_t(x >> 8)) * 0x1p-24f;
 }
+
+/// Place of each lane's pixel on the Z curve through a tile.
+constexpr Lanes<std::uint32_t> z_order = [] {
+  Lanes<std::uint32_t> order{};
+  for (std::uint32_t i = 0; i < lane_count; ++i)
+    order[i] =
+        (i & 1u) | (i & 2u) << 1 | (i & 4u) << 2 | (i & 8u) >> 2 | (i & 16u) >> 1 | (i & 32u);
+  return order;
+}();
 
 }  // namespace
 
@@ -65,20 +77,34 @@ Sampler::Sampler(std::uint64_t seed, std::uint32_t samples)
     : seed_(mix(std::uint32_t(seed) ^ mix(std::uint32_t(seed >> 32) + 0x9E3779B9u))),
       sample_bits_(std::min(31u, std::uint32_t(std::bit_width(samples - 1)))) {}
 
+std::uint32_t Sampler::first_index(std::uint32_t x0, std::uint32_t y0, std::uint32_t sample) const {
+  return (spread(x0) | spread(y0) << 1) << sample_bits_ | sample;
+}
+
 void Sampler::points(std::uint32_t x0, std::uint32_t y0, std::uint32_t sample,
                      std::uint32_t dimension, PointLanes& out) const {
   const std::uint32_t shuffle = mix(seed_ + 3 * dimension);
   const std::uint32_t scramble_u = mix(seed_ + 3 * dimension + 1);
   const std::uint32_t scramble_v = mix(seed_ + 3 * dimension + 2);
-  const std::uint32_t tile = (spread(x0) | spread(y0) << 1) << sample_bits_ | sample;
+  const std::uint32_t tile = first_index(x0, y0, sample);
+  const std::uint32_t bits = sample_bits_;
   for (std::uint32_t i = 0; i < lane_count; ++i) {
-    const std::uint32_t in_tile = (spread(i & 7u) | spread(i >> 3) << 1) << sample_bits_;
-    const std::uint32_t first = scramble_reversed(reverse_bits(tile + in_tile), shuffle);
+    const std::uint32_t index = tile + (z_order[i] << bits);
+    const std::uint32_t first = scramble_reversed(reverse_bits(index), shuffle);
     const std::uint32_t u = scramble_reversed(reverse_bits(first), scramble_u);
     const std::uint32_t v = scramble_reversed(reverse_bits(sobol_second(first)), scramble_v);
     out.u[i] = unit_float(reverse_bits(u));
     out.v[i] = unit_float(reverse_bits(v));
   }
+}
+
+void Sampler::numbers(std::uint32_t x0, std::uint32_t y0, std::uint32_t sample,
+                      std::uint32_t dimension, FloatLanes& out) const {
+  const std::uint32_t shuffle = mix(seed_ + 3 * dimension);
+  const std::uint32_t tile = first_index(x0, y0, sample);
+  const std::uint32_t bits = sample_bits_;
+  for (std::uint32_t i = 0; i < lane_count; ++i)
+    out[i] = unit_float(scramble_reversed(reverse_bits(tile + (z_order[i] << bits)), shuffle));
 }
 
 }  // namespace regraft::shade

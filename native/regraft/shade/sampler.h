@@ -31,7 +31,13 @@ class Sampler {
   void points(std::uint32_t x0, std::uint32_t y0, std::uint32_t sample, std::uint32_t dimension,
               PointLanes& out) const;
 
+  /// The same in one dimension.
+  void numbers(std::uint32_t x0, std::uint32_t y0, std::uint32_t sample, std::uint32_t dimension,
+               FloatLanes& out) const;
+
  private:
+  std::uint32_t first_index(std::uint32_t x0, std::uint32_t y0, std::uint32_t sample) const;
+
   std::uint32_t seed_;
   std::uint32_t sample_bits_;
 };

@@ -1,7 +1,8 @@
 #include "regraft/shade/surface.h"
 
-#include <bit>
 #include <cmath>
+
+#include "regraft/shade/corners.h"
 
 namespace regraft::shade {
 
@@ -15,17 +16,6 @@ constexpr float offset_ratio = 0x1p-18f;
 /// The same for the instance's place in the world, which is added in double.
 constexpr float translation_ratio = 0x1p-46f;
 
-/// Triangles as found in their meshes, object space.
-struct Corners {
-  Vec3Lanes p0, p1, p2;
-  Vec3Lanes n0, n1, n2;  ///< unit, or zero at flat corners of wholly flat triangles
-  FloatLanes u, v;
-  std::uint32_t prim_id[lane_count];
-  std::uint32_t instance_id[lane_count];
-  bool smooth = false;
-  bool one_instance = true;
-};
-
 /// Object-space results.
 struct LocalSurface {
   Vec3Lanes point;
@@ -34,63 +24,6 @@ struct LocalSurface {
   FloatLanes size;      ///< of the coordinates `point` was computed from
 };
 
-void set(Vec3Lanes& lanes, std::uint32_t i, const Vec3& value) {
-  lanes.x[i] = value.x;
-  lanes.y[i] = value.y;
-  lanes.z[i] = value.z;
-}
-
-/// Unit normal of a triangle for its flat corners; double, because edges of tiny or huge
-/// triangles leave float's range when multiplied.
-Vec3 flat_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3d e1 = Vec3d(b) - Vec3d(a);
-  const Vec3d e2 = Vec3d(c) - Vec3d(a);
-  const Vec3d n(e1.y * e2.z - e1.z * e2.y, e1.z * e2.x - e1.x * e2.z, e1.x * e2.y - e1.y * e2.x);
-  const double length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
-  return length > 0.0 ? Vec3(n / length) : Vec3(0.0f);
-}
-
-void set_corner_normals(const ShadedInstance& instance, std::uint32_t prim, std::uint32_t i,
-                        Corners& out) {
-  const glm::uvec3 ids =
-      instance.normal_ids != nullptr ? instance.normal_ids[prim] : glm::uvec3(flat_corner);
-  const bool flat = (ids.x & ids.y & ids.z) == flat_corner;
-  Vec3 corner[3] = {Vec3(0.0f), Vec3(0.0f), Vec3(0.0f)};
-  if (!flat) {
-    out.smooth = true;
-    const Triangle& t = instance.triangles[prim];
-    const Vec3* p = instance.vertices;
-    for (int c = 0; c < 3; ++c)
-      corner[c] =
-          ids[c] != flat_corner ? instance.normals[ids[c]] : flat_normal(p[t.x], p[t.y], p[t.z]);
-  }
-  set(out.n0, i, corner[0]);
-  set(out.n1, i, corner[1]);
-  set(out.n2, i, corner[2]);
-}
-
-/// Reads the triangles. Lanes that are not active repeat the first active one, so that later
-/// loops meet nothing undefined and need no mask.
-void gather(const trace::HitPacket& hits, LaneMask active, SurfaceNeeds needs,
-            InstanceCache& instances, Corners& out, const Material** material) {
-  const std::uint32_t first = std::uint32_t(std::countr_zero(active));
-  for (std::uint32_t i = 0; i < lane_count; ++i) {
-    const std::uint32_t from = has_lane(active, i) ? i : first;
-    const std::uint32_t prim = hits.prim_id[from];
-    const ShadedInstance& instance = instances.find(hits.instance_id[from]);
-    const Triangle& t = instance.triangles[prim];
-    set(out.p0, i, instance.vertices[t.x]);
-    set(out.p1, i, instance.vertices[t.y]);
-    set(out.p2, i, instance.vertices[t.z]);
-    out.u[i] = hits.u[from];
-    out.v[i] = hits.v[from];
-    out.instance_id[i] = instance.id;
-    out.one_instance &= instance.id == out.instance_id[0];
-    set_corner_normals(instance, prim, i, out);
-    if (needs.materials) material[i] = &instances.material(instance, prim);
-  }
-}
-
 float largest(float x, float y, float z) {
   return max_of(max_of(std::fabs(x), std::fabs(y)), std::fabs(z));
 }
@@ -98,14 +31,16 @@ float largest(float x, float y, float z) {
 /// Hit points and triangle normals. Edges are scaled to size one first: their product then
 /// neither overflows nor vanishes.
 void interpolate(const Corners& c, LocalSurface& out) {
+  const Vec3Lanes &p = c.point[0], &q = c.point[1], &r = c.point[2];
   for (std::uint32_t i = 0; i < lane_count; ++i) {
-    const float ax = c.p1.x[i] - c.p0.x[i], ay = c.p1.y[i] - c.p0.y[i], az = c.p1.z[i] - c.p0.z[i];
-    const float bx = c.p2.x[i] - c.p0.x[i], by = c.p2.y[i] - c.p0.y[i], bz = c.p2.z[i] - c.p0.z[i];
-    out.point.x[i] = c.p0.x[i] + (c.u[i] * ax + c.v[i] * bx);
-    out.point.y[i] = c.p0.y[i] + (c.u[i] * ay + c.v[i] * by);
-    out.point.z[i] = c.p0.z[i] + (c.u[i] * az + c.v[i] * bz);
+    const float px = p.x[i], py = p.y[i], pz = p.z[i], u = c.u[i], v = c.v[i];
+    const float ax = q.x[i] - px, ay = q.y[i] - py, az = q.z[i] - pz;
+    const float bx = r.x[i] - px, by = r.y[i] - py, bz = r.z[i] - pz;
+    out.point.x[i] = px + (u * ax + v * bx);
+    out.point.y[i] = py + (u * ay + v * by);
+    out.point.z[i] = pz + (u * az + v * bz);
     const float size_a = largest(ax, ay, az), size_b = largest(bx, by, bz);
-    out.size[i] = largest(c.p0.x[i], c.p0.y[i], c.p0.z[i]) + (size_a + size_b);
+    out.size[i] = largest(px, py, pz) + (size_a + size_b);
     const float sa = 1.0f / max_of(size_a, 1e-37f), sb = 1.0f / max_of(size_b, 1e-37f);
     out.geometric.x[i] = (ay * sa) * (bz * sb) - (az * sa) * (by * sb);
     out.geometric.y[i] = (az * sa) * (bx * sb) - (ax * sa) * (bz * sb);
@@ -116,9 +51,9 @@ void interpolate(const Corners& c, LocalSurface& out) {
 void interpolate_normals(const Corners& c, LocalSurface& out) {
   for (std::uint32_t i = 0; i < lane_count; ++i) {
     const float u = c.u[i], v = c.v[i], w = 1.0f - u - v;
-    out.normal.x[i] = w * c.n0.x[i] + (u * c.n1.x[i] + v * c.n2.x[i]);
-    out.normal.y[i] = w * c.n0.y[i] + (u * c.n1.y[i] + v * c.n2.y[i]);
-    out.normal.z[i] = w * c.n0.z[i] + (u * c.n1.z[i] + v * c.n2.z[i]);
+    out.normal.x[i] = w * c.normal[0].x[i] + (u * c.normal[1].x[i] + v * c.normal[2].x[i]);
+    out.normal.y[i] = w * c.normal[0].y[i] + (u * c.normal[1].y[i] + v * c.normal[2].y[i]);
+    out.normal.z[i] = w * c.normal[0].z[i] + (u * c.normal[1].z[i] + v * c.normal[2].z[i]);
   }
 }
 
@@ -141,26 +76,13 @@ void lift_to_curved(const Corners& c, const FloatLanes& side, LocalSurface& out)
     const float at[3] = {out.point.x[i], out.point.y[i], out.point.z[i]};
     float moved[3] = {at[0], at[1], at[2]};
     const float u = c.u[i], v = c.v[i];
-    lift(c.p0, c.n0, side[i], 1.0f - u - v, i, at, moved);
-    lift(c.p1, c.n1, side[i], u, i, at, moved);
-    lift(c.p2, c.n2, side[i], v, i, at, moved);
+    lift(c.point[0], c.normal[0], side[i], 1.0f - u - v, i, at, moved);
+    lift(c.point[1], c.normal[1], side[i], u, i, at, moved);
+    lift(c.point[2], c.normal[2], side[i], v, i, at, moved);
     out.point.x[i] = moved[0];
     out.point.y[i] = moved[1];
     out.point.z[i] = moved[2];
   }
-}
-
-/// Runs `body(instance, first, last)` over the lanes: at once where they share an instance, so
-/// that its matrix stays in registers, one by one otherwise.
-template <typename Body>
-void with_instances(const Corners& corners, InstanceCache& instances, const Body& body) {
-  if (corners.one_instance) {
-    const ShadedInstance instance = instances.find(corners.instance_id[0]);
-    body(instance, 0u, lane_count);
-    return;
-  }
-  for (std::uint32_t i = 0; i < lane_count; ++i)
-    body(instances.find(corners.instance_id[i]), i, i + 1);
 }
 
 void transform_normals(const ShadedInstance& instance, const Vec3Lanes& from, std::uint32_t begin,
@@ -203,23 +125,23 @@ void face_viewer(const Vec3Lanes& view, Vec3Lanes& n, FloatLanes& side) {
 
 /// Unit shading normals on the viewer's side. Where interpolation turned one away from the
 /// viewer (silhouettes of coarse meshes), it is bent back until it is seen edge-on.
-void finish_normals(const SurfaceLanes& surface, const FloatLanes& side, Vec3Lanes& n) {
-  const Vec3Lanes& g = surface.geometric;
-  const Vec3Lanes& view = surface.view;
+void finish_normals(const FloatLanes& side, SurfaceLanes& s) {
   for (std::uint32_t i = 0; i < lane_count; ++i) {
-    const float length2 = n.x[i] * n.x[i] + n.y[i] * n.y[i] + n.z[i] * n.z[i];
+    const float nx = s.normal.x[i], ny = s.normal.y[i], nz = s.normal.z[i];
+    const float gx = s.geometric.x[i], gy = s.geometric.y[i], gz = s.geometric.z[i];
+    const float vx = s.view.x[i], vy = s.view.y[i], vz = s.view.z[i];
+    const float length2 = nx * nx + (ny * ny + nz * nz);
     const bool valid = length2 > 1e-12f;
-    const float scale = side[i] / std::sqrt(valid ? length2 : 1.0f);
-    const float x = valid ? n.x[i] * scale : g.x[i];
-    const float y = valid ? n.y[i] * scale : g.y[i];
-    const float z = valid ? n.z[i] * scale : g.z[i];
-    const float seen = x * view.x[i] + y * view.y[i] + z * view.z[i];
-    const float bend = max_of(0.0f, 0.01f - seen);
-    const float bx = x + bend * view.x[i], by = y + bend * view.y[i], bz = z + bend * view.z[i];
-    const float unit = 1.0f / std::sqrt(max_of(bx * bx + by * by + bz * bz, 1e-12f));
-    n.x[i] = bx * unit;
-    n.y[i] = by * unit;
-    n.z[i] = bz * unit;
+    const float scale = side[i] / std::sqrt(max_of(length2, 1e-12f));
+    const float x = valid ? nx * scale : gx;
+    const float y = valid ? ny * scale : gy;
+    const float z = valid ? nz * scale : gz;
+    const float bend = max_of(0.01f - (x * vx + (y * vy + z * vz)), 0.0f);
+    const float bx = x + bend * vx, by = y + bend * vy, bz = z + bend * vz;
+    const float unit = 1.0f / std::sqrt(max_of(bx * bx + (by * by + bz * bz), 1e-12f));
+    s.normal.x[i] = bx * unit;
+    s.normal.y[i] = by * unit;
+    s.normal.z[i] = bz * unit;
   }
 }
 
@@ -240,6 +162,40 @@ void place(const ShadedInstance& instance, const LocalSurface& local, const Vec3
   }
 }
 
+/// True if all lanes are of one material slot of one instance, which is what most packets see.
+bool one_slot(const Corners& corners, const ShadedInstance& instance) {
+  if (!corners.one_instance || instance.slots == nullptr) return corners.one_instance;
+  std::uint32_t differing = 0;
+  const std::uint16_t first = instance.slots[corners.prim_id[0]];
+  for (const std::uint32_t prim : corners.prim_id.value) differing |= instance.slots[prim] ^ first;
+  return differing == 0;
+}
+
+void find_materials(const Corners& corners, InstanceCache& instances, SurfaceLanes& out) {
+  const auto material_of = [&](std::uint32_t i) {
+    return &instances.material(instances.find(corners.instance_id[i]), corners.prim_id[i]);
+  };
+  out.material[0] = material_of(0);
+  out.one_material = one_slot(corners, instances.find(corners.instance_id[0]));
+  if (out.one_material) return;
+  for (std::uint32_t i = 1; i < lane_count; ++i) out.material[i] = material_of(i);
+}
+
+void find_normals(const trace::RayPacket& rays, const Corners& corners, const LocalSurface& local,
+                  InstanceCache& instances, FloatLanes& side, SurfaceLanes& out) {
+  set_views(rays, out.view);
+  for_each_run(corners, instances,
+               [&](const ShadedInstance& m, std::uint32_t begin, std::uint32_t end) {
+                 transform_normals(m, local.geometric, begin, end, out.geometric);
+                 if (corners.smooth) transform_normals(m, local.normal, begin, end, out.normal);
+               });
+  face_viewer(out.view, out.geometric, side);
+  if (corners.smooth)
+    finish_normals(side, out);
+  else
+    out.normal = out.geometric;
+}
+
 }  // namespace
 
 void find_surfaces(const trace::RayPacket& rays, const trace::HitPacket& hits, LaneMask active,
@@ -248,26 +204,17 @@ void find_surfaces(const trace::RayPacket& rays, const trace::HitPacket& hits, L
   LocalSurface local;
   FloatLanes side;
   out.active = active;
-  gather(hits, active, needs, instances, corners, out.material);
+  read_corners(hits, active, instances, corners);
   interpolate(corners, local);
   if (corners.smooth) interpolate_normals(corners, local);
-  set_views(rays, out.view);
-  with_instances(corners, instances,
-                 [&](const ShadedInstance& m, std::uint32_t a, std::uint32_t b) {
-                   transform_normals(m, local.geometric, a, b, out.geometric);
-                   if (corners.smooth) transform_normals(m, local.normal, a, b, out.normal);
-                 });
-  face_viewer(out.view, out.geometric, side);
-  if (corners.smooth)
-    finish_normals(out, side, out.normal);
-  else
-    out.normal = out.geometric;
+  find_normals(rays, corners, local, instances, side, out);
+  if (needs.materials) find_materials(corners, instances, out);
   if (!needs.positions) return;
   if (corners.smooth) lift_to_curved(corners, side, local);
-  with_instances(corners, instances,
-                 [&](const ShadedInstance& m, std::uint32_t a, std::uint32_t b) {
-                   place(m, local, out.geometric, a, b, out.position);
-                 });
+  for_each_run(corners, instances,
+               [&](const ShadedInstance& m, std::uint32_t begin, std::uint32_t end) {
+                 place(m, local, out.geometric, begin, end, out.position);
+               });
 }
 
 }  // namespace regraft::shade

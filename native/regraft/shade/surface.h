@@ -22,14 +22,12 @@ struct SurfaceLanes {
   /// a smooth-shaded one by as much as the curved surface it stands for.
   DoubleLanes position[3];
   const Material* material[lane_count];
+  bool one_material = false;  ///< all lanes have the first one's; the others are not set
 };
 
 /// The lanes of `active` whose ray hit something.
 inline LaneMask hit_lanes(const trace::HitPacket& hits, LaneMask active) {
-  LaneMask mask = 0;
-  for (std::uint32_t i = 0; i < lane_count; ++i)
-    mask |= LaneMask(hits.instance_id[i] != invalid_id) << i;
-  return mask & active;
+  return lanes_below(hits.t, std::numeric_limits<float>::infinity()) & active;
 }
 
 /// Looks up what `hits` of the lanes `active` hit. At least one lane must be active.

@@ -62,10 +62,6 @@ void rays_to_sun(const SurfaceLanes& surface, const Illumination& illumination,
     for (std::uint32_t i = 0; i < lane_count; ++i) rays.origin[k][i] = surface.position[k][i];
 }
 
-void set_passed(LaneMask lanes, FloatLanes& passed) {
-  for (std::uint32_t i = 0; i < lane_count; ++i) passed[i] = has_lane(lanes, i) ? 1.0f : 0.0f;
-}
-
 /// Dims `passed` by one layer of what was hit. @return lanes that still get light.
 LaneMask pass_layer(const trace::HitPacket& hits, LaneMask lanes, InstanceCache& instances,
                     FloatLanes& passed) {
@@ -97,7 +93,7 @@ void pass_transparent(LaneMask blocked, trace::RayPacket& rays, TalliedTracer& t
 void shadows(const PreparedLight& light, const Illumination& illumination, bool from_centre,
              const SurfaceLanes& surface, Visibility visibility, TalliedTracer& tracer,
              InstanceCache& instances, FloatLanes& passed) {
-  if (!light.light.cast_shadow) return set_passed(illumination.lit, passed);
+  if (!light.light.cast_shadow) return set_weights(illumination.lit, passed);
   trace::RayPacket rays;
   if (!is_local(light))
     rays_to_sun(surface, illumination, rays);
@@ -108,7 +104,7 @@ void shadows(const PreparedLight& light, const Illumination& illumination, bool 
   rays.count = lane_count;
   rays.active = illumination.lit;
   const LaneMask blocked = tracer.shadow(rays);
-  set_passed(illumination.lit & ~blocked, passed);
+  set_weights(illumination.lit & ~blocked, passed);
   if (visibility.transparency && blocked != 0)
     pass_transparent(blocked, rays, tracer, instances, passed);
 }
