@@ -61,7 +61,7 @@ def valley(rng: np.random.Generator) -> terrain.Heights:
 
 def add_landscape(heights: terrain.Heights, into: bpy.types.Collection) -> bpy.types.Object:
     """The ground, stored coarse; grass, bare rock and snow by slope and height once it is fine."""
-    vertices, faces = terrain.surface(heights, 78, 80, 1.7)
+    vertices, faces = terrain.surface(heights, 78, 80, (1.7, 1.7))
     grass, bare, snow = (
         kit.material("Grass", (0.17, 0.27, 0.06), roughness=0.95),
         kit.material("Bare rock", (0.27, 0.25, 0.23), roughness=0.9),

@@ -40,12 +40,13 @@ def waves(wavelength: float, octaves: int, rng: np.random.Generator) -> Waves:
 
 
 def surface(
-    heights: Heights, half: float, cells: int, crowding: float
+    heights: Heights, half: float, cells: int, crowding: tuple[float, float]
 ) -> tuple[Array, NDArray[np.int64]]:
-    """A square mesh over ±`half` metres: vertices (V, 3), quads; a `crowding` above 1 makes the
-    middle finer.
+    """A square mesh over ±`half` metres: vertices (V, 3), quads.
+
+    A `crowding` above 1, along X and along Y, makes the middle finer.
     """
     vertices, faces = shapes.grid(cells, cells)
     flat = vertices[:, :2] * 2 - 1
-    flat = np.sign(flat) * np.abs(flat) ** crowding * half
+    flat = np.sign(flat) * np.abs(flat) ** np.array(crowding) * half
     return np.column_stack([flat, heights(flat[:, 0], flat[:, 1])]), faces
