@@ -34,8 +34,14 @@ class Arg : public py::object {
   static bool check_(py::handle) { return true; }
 };
 
+/// An object under another promise, for results.
+template <typename Promised>
+Promised as(const py::object& object) {
+  return py::reinterpret_borrow<Promised>(object);
+}
+
 using IntArg = Arg<"int">;
-using FloatsArg = Arg<"collections.abc.Sequence[float]">;
+using FloatsArg = Arg<"numpy.typing.ArrayLike">;
 using Float32Arg = Arg<"numpy.typing.NDArray[numpy.float32]">;
 using Float64Arg = Arg<"numpy.typing.NDArray[numpy.float64]">;
 using Uint16Arg = Arg<"numpy.typing.NDArray[numpy.uint16]">;

@@ -93,9 +93,9 @@ py::array_t<std::uint32_t> add_instances(SceneHandle& self, const Uint32Arg& mes
   return ids;
 }
 
-void set_transform(SceneHandle& self, const IntArg& instance_id, const Float64Arg& matrix_arg) {
+void set_transform(SceneHandle& self, const IntArg& instance_id, const Float64Arg& m) {
   const std::uint32_t id = checked_id(instance_id, "instance_id");
-  modifiable(self).set_transform(id, checked_matrix(matrix_arg, "transform"));
+  modifiable(self).set_transform(id, checked_matrix(m, "m"));
 }
 
 void set_transforms(SceneHandle& self, const IdsArg& ids, const Float64Arg& transforms) {
@@ -129,9 +129,10 @@ void bind_instances(SceneClass& scene) {
            py::arg("materials") = py::none(), py::arg("object_index") = 0,
            R"(Places a mesh in the world and returns the instance's id.
 
-transform: (4, 4) float64, object to world, column vectors, last row 0 0 0 1; None: identity. One
-that is not finite is taken, but cannot be hit.
-materials: material ids, one a slot of the mesh; slots without one have the standard material.
+transform: (4, 4) float64, object to world, column vectors, last row 0 0 0 1; None:
+identity. One that is not finite is taken, but cannot be hit.
+materials: material ids, one a slot of the mesh; slots without one have the standard
+material.
 object_index: what the pass of that name shows.
 
 Raises ValueError if the mesh or the group does not exist.)")
@@ -140,11 +141,11 @@ Raises ValueError if the mesh or the group does not exist.)")
            py::arg("object_indices") = py::none(),
            R"(Places N meshes in the world and returns the instances' ids, (N,) uint32.
 
-mesh_ids: (N,) uint32; transforms: (N, 4, 4) float64, object to world; groups: (N,) uint32,
-0xFFFFFFFF for none; materials: one tuple of ids for all, or a list of N; object_indices: (N,)
-uint32. Raises ValueError, and adds none, if one of them is wrong.)")
-      .def("set_transform", &set_transform, py::arg("instance_id"), py::arg("transform"),
-           R"(Moves an instance: (4, 4) float64, object to world, column vectors.
+mesh_ids: (N,) uint32; transforms: (N, 4, 4) float64, object to world; groups: (N,)
+uint32, 0xFFFFFFFF for none; materials: one tuple of ids for all, or a list of N;
+object_indices: (N,) uint32. Raises ValueError, and adds none, if one of them is wrong.)")
+      .def("set_transform", &set_transform, py::arg("instance_id"), py::arg("m"),
+           R"(Moves an instance; m: (4, 4) float64, object to world, column vectors.
 
 A matrix equal bit for bit to the present one is no change.)")
       .def("set_transforms", &set_transforms, py::arg("ids"), py::arg("transforms"),
@@ -159,7 +160,9 @@ Raises ValueError, and moves none, if one of them is wrong.)")
            R"(Removes an instance. Its id is never used again.)")
       .def(
           "remove_instances", &remove_instances, py::arg("ids"),
-          R"(Removes instances: (N,) uint32. Raises ValueError, and removes none, if an id is wrong.)");
+          R"(Removes instances: ids (N,) uint32.
+
+Raises ValueError, and removes none, if an id is wrong or given twice.)");
 }
 
 }  // namespace regraft::bindings

@@ -11,6 +11,7 @@ namespace regraft::bindings {
 namespace {
 
 using RealsArg = Arg<"numpy.typing.NDArray[numpy.float32] | numpy.typing.NDArray[numpy.float64]">;
+using BoolArray = Arg<"numpy.typing.NDArray[numpy.bool_]">;
 using LimitArg = Arg<"float | numpy.typing.NDArray[numpy.float32]">;
 
 /// Hits of N rays, as docs/api.md describes them.
@@ -103,8 +104,8 @@ HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg&
   return hits;
 }
 
-py::array_t<bool> any_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& directions,
-                          const LimitArg& t_near, const LimitArg& t_far) {
+BoolArray any_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& directions,
+                  const LimitArg& t_near, const LimitArg& t_far) {
   const RayArrays rays = ray_arrays(origins, directions, t_near, t_far);
   const Tracing tracing(self);
   py::array_t<bool> hit(rays.origins.shape(0));
@@ -113,7 +114,7 @@ py::array_t<bool> any_hit(SceneHandle& self, const RealsArg& origins, const Real
               [&](std::size_t begin, std::size_t end) {
                 trace_any(rays.batch, tracing.tracer(), begin, end, out);
               });
-  return hit;
+  return as<BoolArray>(hit);
 }
 
 void closest_point(SceneHandle&, const RealsArg&, const Arg<"float">&) {
@@ -146,13 +147,15 @@ void bind_queries(SceneClass& scene) {
            py::arg("t_near") = 0.0, py::arg("t_far") = no_limit,
            R"(Nearest hit of each of N rays in [t_near, t_far].
 
-origins, directions: (N, 3) float32 or float64, world frame; directions need not be unit vectors.
-t_near, t_far: a number or (N,) float32, in units of the direction's length. Rays that are not
-finite, or whose direction is zero, miss. Among equally near hits the lowest
-(instance_id, prim_id) counts. Neighbouring rays that go the same way are faster. Releases the GIL.
+origins, directions: (N, 3) float32 or float64, world frame; directions need not be unit
+vectors.
+t_near, t_far: a number or (N,) float32, in units of the direction's length. Rays that are
+not finite, or whose direction is zero, miss. Among equally near hits the lowest
+(instance_id, prim_id) counts. Neighbouring rays that go the same way are faster. Releases
+the GIL.
 
-Raises ValueError for another shape or dtype, RuntimeError if the scene changed since its last
-update.)")
+Raises ValueError for another shape or dtype, RuntimeError if the scene changed since its
+last update.)")
       .def("any_hit", &any_hit, py::arg("origins"), py::arg("directions"), py::arg("t_near") = 0.0,
            py::arg("t_far") = no_limit,
            R"(Whether each of N rays hits anything in [t_near, t_far]: (N,) bool.

@@ -92,14 +92,13 @@ Frame bound_frame(render::Frame&& native, const std::vector<std::string>& names)
     if (image == native.passes.end() || passes.contains(name)) continue;
     passes[py::str(name)] = image_array(std::move(image->second));
   }
-  return {py::reinterpret_borrow<PassesDict>(passes), FrameStatistics(std::move(native.statistics)),
-          native.cancelled};
+  return {as<PassesDict>(passes), FrameStatistics(std::move(native.statistics)), native.cancelled};
 }
 
 Frame render_frame(SceneHandle& self, const CameraArg& camera, const IntArg& width,
                    const IntArg& height, const std::string& shading, const IntArg& samples,
                    const PassesArg& passes, const std::optional<RegionArg>& region,
-                   const IntArg& seed, const std::optional<ProgressArg>& progress,
+                   const IntArg& seed, bool transparent, const std::optional<ProgressArg>& progress,
                    const std::optional<CancelArg>& cancel) {
   const std::vector<std::string> names = pass_names(passes);
   render::RenderSettings settings;
@@ -111,6 +110,7 @@ Frame render_frame(SceneHandle& self, const CameraArg& camera, const IntArg& wid
   if (region) settings.region = region_of(*region);
   settings.seed = static_cast<std::uint64_t>(
       checked_int(seed, "seed", 0, std::numeric_limits<std::int64_t>::max()));
+  settings.transparent_background = transparent;
   return bound_frame(rendered(self, read_camera(camera), settings, progress, cancel), names);
 }
 
@@ -121,7 +121,8 @@ void bind_frame(py::module_& module) {
       .def_readonly("passes", &Frame::passes,
                     "The passes asked for: (H, W, C) float32, first row on top; `[::-1]` is "
                     "C-contiguous.")
-      .def_readonly("statistics", &Frame::statistics)
+      .def_readonly("statistics", &Frame::statistics,
+                    "What it cost; the same object at every access.")
       .def_readonly(
           "cancelled", &Frame::cancelled,
           "True if `cancel` ended it: finished tiles are there, the rest is transparent.");
@@ -131,20 +132,24 @@ void bind_render(SceneClass& scene) {
   scene.def("render", &render_frame, py::arg("camera"), py::arg("width"), py::arg("height"),
             py::kw_only(), py::arg("shading") = "direct", py::arg("samples") = 1,
             py::arg("passes") = py::make_tuple("combined"), py::arg("region") = py::none(),
-            py::arg("seed") = 0, py::arg("progress") = py::none(), py::arg("cancel") = py::none(),
+            py::arg("seed") = 0, py::arg("transparent") = false, py::arg("progress") = py::none(),
+            py::arg("cancel") = py::none(),
             R"(Renders a picture of width by height pixels through a `regraft.Camera`.
 
-shading: clay, occlusion, direct, reflection or cost. samples: rays a pixel; with one it goes
-through the pixel's centre. passes: any of combined (premultiplied linear RGBA), depth (distance
-from the eye, inf where nothing is), normal (world frame), object_index, cost (nodes and triangles
-tested). region: pixels (x0, y0, x1, y1) from the lower left corner, half open; the passes then have
-its size. seed: of the samples; equal calls give equal pictures, whatever the number of threads.
+shading: clay, occlusion, direct, reflection or cost. samples: rays a pixel; with one it
+goes through the pixel's centre. passes: any of combined (premultiplied linear RGBA),
+depth (distance from the eye, inf where nothing is), normal (world frame), object_index,
+cost (nodes and triangles tested). region: pixels (x0, y0, x1, y1) from the lower left
+corner, half open; the passes then have its size. seed: of the samples; equal calls give
+equal pictures, whatever the number of threads.
+transparent: alpha 0 where nothing is, instead of the world's colour.
 
-progress(fraction) and cancel() -> bool are called on this thread about every 20 ms; after cancel
-returned true the frame comes back with `cancelled` set. What they raise, and Ctrl-C, ends the
-render. Releases the GIL.
+progress(fraction) and cancel() -> bool are called on this thread about every 20 ms; after
+cancel returned true the frame comes back with `cancelled` set. What they raise, and
+Ctrl-C, ends the render. Releases the GIL.
 
-Raises ValueError for a wrong argument, RuntimeError if the scene changed since its last update.)");
+Raises ValueError for a wrong argument, RuntimeError if the scene changed since its last
+update.)");
 }
 
 }  // namespace regraft::bindings

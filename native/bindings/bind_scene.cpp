@@ -11,6 +11,7 @@ namespace regraft::bindings {
 
 namespace {
 
+using CountDict = Arg<"dict[str, int]">;
 using OptionalId = std::optional<IntArg>;
 
 /// The arrays of a mesh, kept alive while `MeshData` points at them.
@@ -116,7 +117,7 @@ void set_world(SceneHandle& self, const FloatsArg& color) {
   modifiable(self).set_world(Vec3(rgb[0], rgb[1], rgb[2]));
 }
 
-py::dict counts(const SceneHandle& self) {
+CountDict counts(const SceneHandle& self) {
   const Scene& scene = self.renderer.scene();
   std::size_t meshes = 0, triangles = 0, instances = 0;
   for (const Mesh& mesh : scene.meshes()) {
@@ -124,8 +125,9 @@ py::dict counts(const SceneHandle& self) {
     triangles += mesh.triangles.size();
   }
   for (const Instance& instance : scene.instances()) instances += instance.alive;
-  return py::dict(py::arg("meshes") = meshes, py::arg("instances") = instances,
-                  py::arg("groups") = scene.groups().size(), py::arg("triangles") = triangles);
+  return as<CountDict>(py::dict(py::arg("meshes") = meshes, py::arg("instances") = instances,
+                                py::arg("groups") = scene.groups().size(),
+                                py::arg("triangles") = triangles));
 }
 
 }  // namespace
@@ -138,22 +140,25 @@ void bind_scene(SceneClass& scene) {
 
 vertices: (V, 3) float32, object space; triangles: (T, 3) uint32, vertex indices.
 slots: (T,) uint16, the material slot of each triangle; None: all 0.
-normal_ids: (T, 3) uint32; corners that share a number share a shading normal, 0xFFFFFFFF marks a
-flat corner, None: the whole mesh is flat, `triangles` itself: the whole mesh is smooth. Numbers
-lie below V, or below 3 T if that is more.
+normal_ids: (T, 3) uint32; corners that share a number share a shading normal, 0xFFFFFFFF
+marks a flat corner, None: the whole mesh is flat, `triangles` itself: the whole mesh is
+smooth. Numbers lie below V, or below 3 T if that is more.
 
-Triangles with a vertex that is not finite, and those of zero area, cannot be hit; `update` counts
-them in its warnings. Raises ValueError for another shape or dtype or an index out of range.)")
+Triangles with a vertex that is not finite, and those of zero area, cannot be hit;
+`update` counts them in its warnings. Raises ValueError for another shape or dtype or an
+index out of range.)")
       .def("set_vertices", &set_vertices, py::arg("mesh_id"), py::arg("vertices"),
            R"(Moves a mesh's vertices, keeping its triangles: the tree can be refitted.
 
-vertices: (V, 3) float32, object space, as many as the mesh has. Positions equal bit for bit to
-the present ones are no change. Raises ValueError for another count, shape or dtype.)")
+vertices: (V, 3) float32, object space, as many as the mesh has. Positions equal bit for
+bit to the present ones are no change. Raises ValueError for another count, shape or
+dtype.)")
       .def("set_mesh", &set_mesh, py::arg("mesh_id"), py::arg("vertices"), py::arg("triangles"),
            py::kw_only(), py::arg("slots") = py::none(), py::arg("normal_ids") = py::none(),
            R"(Replaces the whole content of a mesh; its id, name and instances stay.
 
-Arguments as for `add_mesh`. Raises ValueError, and changes nothing, if one of them is wrong.)")
+Arguments as for `add_mesh`. Raises ValueError, and changes nothing, if one of them is
+wrong.)")
       .def("remove_mesh", &remove_mesh, py::arg("mesh_id"),
            R"(Removes a mesh. Its id is never used again.
 
@@ -167,8 +172,8 @@ Groups carry no transform. Raises ValueError if the parent group does not exist.
            py::arg("roughness") = py::none(), py::arg("emission") = py::none(),
            R"(Replaces the scene's table of materials; a material's id is its row.
 
-base_color: (M, 4) float32, linear RGBA; metallic, roughness: (M,) float32, 0 and 0.5 if None;
-emission: (M, 3) float32, linear radiance, black if None.)")
+base_color: (M, 4) float32, linear RGBA; metallic, roughness: (M,) float32, 0 and 0.5 if
+None; emission: (M, 3) float32, linear radiance, black if None.)")
       .def("set_lights", &set_lights, py::arg("lights"),
            R"(Replaces the scene's lights by a sequence of `regraft.Light`.
 

@@ -1,15 +1,17 @@
 #include <pybind11/stl.h>
 
+#include <functional>
 #include <type_traits>
 
+#include "args.h"
 #include "bindings.h"
 #include "statistics.h"
 
 namespace regraft::bindings {
 
-namespace py = pybind11;
-
 namespace {
+
+using AnyDict = Arg<"dict[str, typing.Any]">;
 
 /// Calls `visit(name, member, meaning)` for every field in the order of the statistics line.
 /// `FrameStatistics` has all of them, `UpdateStatistics` those of an update.
@@ -59,18 +61,18 @@ void each_field(const Visit& visit) {
 }
 
 template <typename S>
-py::dict as_dict(const S& statistics) {
+AnyDict as_dict(const S& statistics) {
   py::dict dict;
   each_field<S>([&](const char* name, auto member, const char*) {
     const auto& value = std::invoke(member, statistics);
     using Value = std::decay_t<decltype(value)>;
-    if constexpr (std::is_same_v<Value, py::list>) {
+    if constexpr (std::is_same_v<Value, Sentences>) {
       dict[name] = py::list(value.attr("copy")());
     } else {
       dict[name] = value;
     }
   });
-  return dict;
+  return as<AnyDict>(dict);
 }
 
 template <typename S>

@@ -14,6 +14,8 @@ namespace regraft::bindings {
 
 namespace {
 
+using NumberDict = Arg<"dict[str, float]">;
+
 constexpr std::array later_policies{"lm", "rtdeform", "selective", "selective+rotate", "shot"};
 
 /// The value that `names` pairs with `text`. `later` are names of what is still to come.
@@ -71,17 +73,17 @@ UpdateStatistics update(SceneHandle& self, const std::string& policy, const std:
   return UpdateStatistics(std::move(statistics));
 }
 
-py::dict quality(SceneHandle& self, bool fresh) {
+NumberDict quality(SceneHandle& self, bool fresh) {
   const Tracing tracing(self);
   accel::Quality q;
   {
     const py::gil_scoped_release no_gil;
     q = self.renderer.accelerator().quality(self.renderer.scene(), fresh, self.renderer.executor());
   }
-  return py::dict(py::arg("sah_cost") = q.sah_cost,
-                  py::arg("culling_efficiency") = q.culling_efficiency, py::arg("epo") = q.epo,
-                  py::arg("cost_ratio") = q.cost_ratio, py::arg("depth") = q.depth,
-                  py::arg("bytes") = q.bytes);
+  return as<NumberDict>(py::dict(py::arg("sah_cost") = q.sah_cost,
+                                 py::arg("culling_efficiency") = q.culling_efficiency,
+                                 py::arg("epo") = q.epo, py::arg("cost_ratio") = q.cost_ratio,
+                                 py::arg("depth") = q.depth, py::arg("bytes") = q.bytes));
 }
 
 py::array_t<double> bounds(SceneHandle& self) {
@@ -104,22 +106,24 @@ void bind_update(SceneClass& scene) {
            py::arg("layout") = "two-level", py::kw_only(), py::arg("frames_left") = py::none(),
            R"(Brings the trees up to date with the scene; free where nothing changed.
 
-policy: auto, refit or rebuild; structure: auto or bvh; layout: two-level or flat. frames_left: how
-many frames the shot still has, if that is known. Releases the GIL.
+policy: auto, refit or rebuild; structure: auto or bvh; layout: two-level or flat.
+frames_left: how many frames the shot still has, if that is known. Releases the GIL.
 
-Raises ValueError for an unknown name, NotImplementedError for one that a later version brings.)")
+Raises ValueError for an unknown name, NotImplementedError for one that a later version
+brings.)")
       .def("quality", &quality, py::arg("fresh") = false,
            R"(How good the trees are: a dict of
 
-`sah_cost` and `culling_efficiency`, expected tests of a ray that hits the scene; `epo`, the extra
-tests that overlap of nodes causes on surfaces; `cost_ratio`, the cost now over that of the last
-build, or of a full build made beside it if `fresh`; `depth`; `bytes`.
+`sah_cost` and `culling_efficiency`, expected tests of a ray that hits the scene; `epo`,
+the extra tests that overlap of nodes causes on surfaces; `cost_ratio`, the cost now over
+that of the last build, or of a full build made beside it if `fresh`; `depth`; `bytes`.
 
 Raises RuntimeError if the scene changed since its last update.)")
       .def("bounds", &bounds,
            R"(World box of what can be hit: (2, 3) float64, lowest and highest corner.
 
-Raises ValueError if there is nothing, RuntimeError if the scene changed since its last update.)");
+Raises ValueError if there is nothing, RuntimeError if the scene changed since its last
+update.)");
 }
 
 }  // namespace regraft::bindings

@@ -53,9 +53,9 @@ void bind_module(py::module_& module) {
   bind_frame(module);
   SceneClass scene(module, "Scene", R"(A ray-tracing scene that stays alive between frames.
 
-Modify it, call `update`, then trace. Ids are whole numbers and never used twice. Wrong shapes,
-dtypes, indices and ids raise ValueError and change nothing; tracing a scene that changed since its
-last update raises RuntimeError.)");
+Modify it, call `update`, then trace. Ids are whole numbers and never used twice. Wrong
+shapes, dtypes, indices and ids raise ValueError and change nothing; tracing a scene that
+changed since its last update raises RuntimeError.)");
   scene.def(py::init(&make_scene), py::arg("threads") = 0, py::kw_only(), py::arg("isa") = "auto",
             R"(threads: how many to work with, this one included; 0: all cores.
 

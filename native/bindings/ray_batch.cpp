@@ -15,6 +15,9 @@ using trace::HitPacket;
 using trace::packet_capacity;
 using trace::RayPacket;
 
+/// Fewer rays cost less one by one.
+constexpr int worth_a_packet = 8;
+
 template <typename T>
 T value_at(const std::byte* data) {
   T value;
@@ -105,7 +108,16 @@ void store_miss(const HitArrays& out, std::size_t ray) {
 }  // namespace
 
 bool coherent(const RayPacket& rays) {
-  return std::popcount(rays.active) >= 8;
+  if (std::popcount(rays.active) < worth_a_packet) return false;
+  const int first = std::countr_zero(rays.active);
+  for (std::uint64_t todo = rays.active; todo != 0; todo &= todo - 1) {
+    const int i = std::countr_zero(todo);
+    for (int k = 0; k < 3; ++k) {
+      if (std::signbit(rays.direction[k][i]) != std::signbit(rays.direction[k][first]))
+        return false;
+    }
+  }
+  return true;
 }
 
 std::size_t RayBatch::packet_count() const {

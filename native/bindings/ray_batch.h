@@ -53,7 +53,9 @@ void trace_closest(const RayBatch& batch, const trace::Tracer& tracer, const Sce
 void trace_any(const RayBatch& batch, const trace::Tracer& tracer, std::size_t begin,
                std::size_t end, bool* hit);
 
-/// True if the rays are so much alike that they are traced together.
+/// True if the rays may gain from being traced together: enough of them, all into one octant.
+/// Measured on three models: primary, shadow and parallel rays are then 1.2 to 2.6 times as fast,
+/// others in one octant within 10 % of single rays; without agreement packets lose up to 20 %.
 bool coherent(const trace::RayPacket& rays);
 
 }  // namespace regraft::bindings

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <pybind11/pybind11.h>
+#include <pybind11/typing.h>
 
 #include "regraft/render/frame.h"
 
 namespace regraft::bindings {
+
+using Sentences = pybind11::typing::List<pybind11::str>;
 
 /// Statistics as Python sees them: the two lists are real ones, to be appended to.
 template <typename Native>
@@ -15,8 +18,8 @@ struct BoundStatistics : Native {
     for (const std::string& sentence : this->warnings) warnings_list.append(sentence);
   }
 
-  pybind11::list left_out_list;
-  pybind11::list warnings_list;
+  Sentences left_out_list;
+  Sentences warnings_list;
 };
 
 using UpdateStatistics = BoundStatistics<accel::UpdateStatistics>;
