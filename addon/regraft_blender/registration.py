@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import logging
 
 import bpy
@@ -27,6 +28,9 @@ def register() -> None:
     properties.attach()
     panels.attach()
     handlers.register()
+    # As a Python module, bpy 4.5 hangs at exit while a handler or class is still registered.
+    if getattr(bpy.app, "module", False):
+        atexit.register(unregister)
     compat.forget()
     if compat.problem():
         log.warning("Regraft is registered, but cannot render: %s", compat.problem())
@@ -34,6 +38,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Remove what is there, sessions first: viewports may just be tracing them."""
+    atexit.unregister(unregister)
     session.close_all()
     handlers.unregister()
     panels.detach()
