@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from regraft.cli.summary import frame_line, summarise
+from regraft.cli.summary import frame_line, summarise, warnings
 
 ROWS = [
     {"total_ms": 30.0, "trace_ms": 10.0, "left_out": ["no deformation: no refit"]},
@@ -33,3 +33,8 @@ def test_a_frame_is_one_line() -> None:
     line = frame_line(ROWS[0], "a_0001.png")
     assert line.startswith("a_0001.png: 30 ms (evaluate 0,")
     assert "\n" not in line
+
+
+def test_a_warning_is_told_once_with_its_frames() -> None:
+    rows = [{"frame": f, "warnings": ["bad", "odd"] if f == 2 else ["bad"]} for f in (1, 2, 3)]
+    assert warnings(rows) == ["bad (frames 1-3)", "odd (frames 2)"]

@@ -21,7 +21,7 @@ Pair = tuple[float, ...]
 
 # From the front (-Y), the right and above: what people call a three-quarter view.
 THREE_QUARTER_VIEW = (0.6, -1.0, 0.5)
-# Room left round a framed box, as a share of the picture.
+# Room left round what is framed: the picture is this much wider.
 FRAMING_MARGIN = 1.05
 
 
@@ -117,13 +117,25 @@ class Camera:
         box = np.asarray(bounds, np.float64)
         if box.shape != (2, 3) or not np.isfinite(box).all() or (box[0] > box[1]).any():
             raise ValueError(f"Camera.framing: bounds must be a finite (2, 3) box, got {box}")
-        matrix = np.eye(4)
-        matrix[:3, :3] = _looking_from(np.array(THREE_QUARTER_VIEW))
-        place, distance = _fit(box, matrix[:3, :3], aspect, math.radians(fov_degrees))
-        matrix[:3, 3] = place
-        reach = distance + float(np.linalg.norm(box[1] - box[0]))
-        clip = (reach * 1e-4, reach * 10)
-        return cls.perspective(matrix, fov_degrees, aspect, clip=clip)
+        corners = np.array([[box[i >> a & 1, a] for a in range(3)] for i in range(8)])
+        return frame_points(corners, aspect, fov_degrees=fov_degrees)
+
+
+def frame_points(
+    points: npt.NDArray[np.float64], aspect: float, *, fov_degrees: float = 40.0
+) -> Camera:
+    """The nearest perspective camera that sees all points (N,3), world frame, N ≥ 1, from a
+    three-quarter view, Z up."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = _looking_from(np.array(THREE_QUARTER_VIEW))
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    local = (points - centre) @ matrix[:3, :3]
+    eye = _fit(local, aspect, math.radians(fov_degrees))
+    matrix[:3, 3] = centre + matrix[:3, :3] @ eye
+    nearest, farthest = eye[2] - local[:, 2].max(), eye[2] - local[:, 2].min()
+    # Room for what moves towards the eye or away from it later in the shot.
+    clip = (nearest / 100, farthest * 10)
+    return Camera.perspective(matrix, fov_degrees, aspect, clip=clip)
 
 
 def _rotation_and_place(value: npt.ArrayLike) -> npt.NDArray[np.float64]:
@@ -165,25 +177,22 @@ def _looking_from(direction: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]
     return np.stack([right, np.cross(back, right), back], axis=1)
 
 
-def _fit(
-    box: npt.NDArray[np.float64], rotation: npt.NDArray[np.float64], aspect: float, fov: float
-) -> tuple[npt.NDArray[np.float64], float]:
-    """Eye position (3,) and distance from the box's centre that just hold all eight corners.
+def _fit(local: npt.NDArray[np.float64], aspect: float, fov: float) -> npt.NDArray[np.float64]:
+    """Eye (3,) that just holds all points `local` (N,3), both in the camera's orientation.
 
-    In the camera's frame a corner p is inside when |p.x - eye.x| <= tan_x * (eye.z - p.z), so the
-    corners' extreme values of p.x ± tan_x * p.z give eye.x and the least eye.z at once; same in y.
+    A point p is inside when |p.x - eye.x| <= tan_x * (eye.z - p.z), so the points' extreme values
+    of p.x ± tan_x * p.z give eye.x and the least eye.z at once; same in y.
     """
-    centre = box.mean(axis=0)
-    corners = np.array(
-        [[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
-    )
-    local = (corners - centre) @ rotation
     window = _centred_window(2 * math.tan(fov / 2), aspect, (0.0, 0.0))
-    eye, depths = np.zeros(3), [0.0]
-    for axis, tangent in ((0, window[1]), (1, window[3])):
+    eye, depths = np.zeros(3), []
+    for axis, half in ((0, window[1]), (1, window[3])):
+        tangent = half / FRAMING_MARGIN
         high = float((local[:, axis] + tangent * local[:, 2]).max())
         low = float((local[:, axis] - tangent * local[:, 2]).min())
         eye[axis] = (high + low) / 2
         depths.append((high - low) / (2 * tangent))
-    eye[2] = max(depths) * FRAMING_MARGIN or 1.0
-    return centre + rotation @ eye, float(eye[2])
+    front, size = float(local[:, 2].max()), float(np.linalg.norm(np.ptp(local, axis=0)))
+    distance = max(depths) - front
+    # Points in one line of sight would be touched: stand off by their extent, or by one unit.
+    eye[2] = front + (distance if distance > 1e-9 * size else size or 1.0)
+    return eye

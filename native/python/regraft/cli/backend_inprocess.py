@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 from pathlib import Path
 from typing import Any
 
 from regraft.cli.blender_worker import BlenderWorker
 from regraft.cli.job import RenderJob, SceneInfo
-from regraft.formats.quiet import hold_back_output
+from regraft.formats.quiet import hold_back_output, silence_outputs
 
 
 class InProcessBackend:
@@ -17,6 +18,8 @@ class InProcessBackend:
 
     def __init__(self, verbose: bool) -> None:
         self._worker = BlenderWorker()
+        if not verbose:
+            atexit.register(silence_outputs)  # bpy reports its memory when the process ends
         self._verbose = verbose
 
     def probe(self) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -33,8 +34,8 @@ def _add_sync(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         "sync",
         help="whole frames in Blender: Regraft, Cycles and Workbench",
         description="Render the same frames with Regraft, Cycles (1 sample) and Workbench, each in "
-        "a process of its own with persistent data on, and print medians. The first frame, which "
-        "reads and builds everything, is stated apart.",
+        "a process of its own with persistent data on, taking turns frame by frame, and print "
+        "medians. The first frame, which reads and builds everything, is stated apart.",
     )
     parser.set_defaults(run=run_sync)
     parser.add_argument(
@@ -50,7 +51,7 @@ def _add_sync(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> Non
         type=options.whole_number(1, 10000),
         default=20,
         metavar="N",
-        help="frames that count, after the first (default: %(default)s)",
+        help="frames that count, from the middle of the range (default: %(default)s)",
     )
     parser.add_argument(
         "--resolution",
@@ -102,22 +103,27 @@ def machine() -> dict[str, Any]:
         "processor": _processor(),
         "cores": usable_cores(),
         "simd": available_isas()[-1],
+        "load_average": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
     }
 
 
 def _commit() -> str:
-    """Commit of the checkout this package lies in, `+` for changes; "" outside a checkout."""
+    """Commit of regraft's checkout that this package lies in, `+` for changes; else ""."""
     folder = Path(regraft.__file__).parent
+    top = _git(folder, "rev-parse", "--show-toplevel")
+    if not top or not Path(top, "native", "regraft").is_dir():
+        return ""
+    return _git(folder, "describe", "--always", "--dirty=+", "--exclude=*")
+
+
+def _git(folder: Path, *words: str) -> str:
     try:
-        words = subprocess.run(
-            ["git", "-C", str(folder), "describe", "--always", "--dirty=+", "--exclude=*"],
-            capture_output=True,
-            text=True,
-            check=True,
+        done = subprocess.run(
+            ["git", "-C", str(folder), *words], capture_output=True, text=True, check=True
         )
     except (OSError, subprocess.CalledProcessError):
         return ""
-    return words.stdout.strip()
+    return done.stdout.strip()
 
 
 def _processor() -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from regraft.camera import Camera
+from regraft.camera import Camera, frame_points
 from regraft.cli.errors import InputError
 
 GEOMETRY = frozenset(
@@ -30,27 +30,24 @@ def frame_everything(scene: Any, aspect: float) -> None:
     import bpy
 
     scene.frame_set(scene.frame_start)
-    box = visible_bounds(bpy.context.evaluated_depsgraph_get())
-    if box is None:
+    corners = visible_corners(bpy.context.evaluated_depsgraph_get())
+    if not len(corners):
         raise InputError("no camera, and nothing visible that one could be placed for")
-    view = Camera.framing(box, aspect, fov_degrees=FOV_DEGREES)
+    view = frame_points(corners, aspect, fov_degrees=FOV_DEGREES)
     scene.camera = _camera_object(scene, view)
 
 
-def visible_bounds(depsgraph: Any) -> npt.NDArray[np.float64] | None:
-    """(2,3) float64 world box round every instance that renders, or None if there is none.
-
-    It is made of the objects' own boxes, so it may be larger than what it holds.
-    """
-    low, high = np.full(3, math.inf), np.full(3, -math.inf)
-    for instance in depsgraph.object_instances:
-        item = instance.object
-        if not instance.show_self or item.type not in GEOMETRY or item.hide_render:
-            continue
-        corners = _box_corners(item, instance.matrix_world)
-        if np.isfinite(corners).all():
-            low, high = np.minimum(low, corners.min(axis=0)), np.maximum(high, corners.max(axis=0))
-    return np.stack([low, high]) if (low <= high).all() else None
+def visible_corners(depsgraph: Any) -> npt.NDArray[np.float64]:
+    """(N,3) float64, world frame: the corners of the boxes of all instances that render."""
+    boxes = [
+        _box_corners(instance.object, instance.matrix_world)
+        for instance in depsgraph.object_instances
+        if instance.show_self
+        and instance.object.type in GEOMETRY
+        and not instance.object.hide_render
+    ]
+    finite = [box for box in boxes if np.isfinite(box).all()]
+    return np.concatenate(finite) if finite else np.empty((0, 3))
 
 
 def _box_corners(item: Any, matrix_world: Any) -> npt.NDArray[np.float64]:

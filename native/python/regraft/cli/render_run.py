@@ -73,6 +73,8 @@ class RenderRun:
         ledger = Ledger(self.outputs.folder, fingerprint(self.job, info, regraft.__version__))
         plan = self._plan(ledger, targets)
         rows = self._render_frames(backend, interrupt, plan, Recorder(self.outputs, info, ledger))
+        for warning in summary.warnings(rows):
+            self.console.warn(warning)
         if interrupt.asked:
             raise InterruptedRunError(_interrupted(len(rows), len(plan.todo)))
         if rows and not any(row.get("triangles") for row in rows):
@@ -119,8 +121,6 @@ class RenderRun:
 
     def _show(self, row: Row, progress: Progress) -> None:
         progress.step(summary.frame_line(row, self.outputs.frame_path(row["frame"]).name))
-        for warning in row.get("warnings") or ():
-            self.console.warn(f"frame {row['frame']}: {warning}")
 
     def _finish(self, info: SceneInfo, files: list[Path], rows: list[Row]) -> None:
         if self.outputs.movie:

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
+from regraft.cli.frame_range import format_frames
+
 STAGES = ("evaluate", "extract", "update", "trace", "shade", "write", "total")
 _MOST_LEFT_OUT = 4
 
@@ -23,6 +25,15 @@ def summarise(rows: Sequence[dict[str, Any]]) -> list[str]:
         return []
     medians = " | ".join(f"{stage} {_median(rows, stage):.1f}" for stage in STAGES)
     return [f"median ms a frame: {medians}", f"left out: {_left_out(rows)}"]
+
+
+def warnings(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """Each warning once, with the frames it belongs to."""
+    frames: dict[str, list[int]] = {}
+    for row in rows:
+        for words in row.get("warnings") or ():
+            frames.setdefault(words, []).append(row["frame"])
+    return [f"{words} (frames {format_frames(where)})" for words, where in frames.items()]
 
 
 def _median(rows: Sequence[dict[str, Any]], stage: str) -> float:

@@ -25,6 +25,14 @@ def hold_back_output(verbose: bool = False) -> Iterator[None]:
             _restore(saved)
 
 
+def silence_outputs() -> None:
+    """Sends all further output to nowhere: for the very end of a process."""
+    _flush()
+    with open(os.devnull, "wb") as nowhere:
+        for fd in _OUTPUTS:
+            os.dup2(nowhere.fileno(), fd)
+
+
 def _redirect(target: BinaryIO) -> list[int]:
     _flush()
     saved = [os.dup(fd) for fd in _OUTPUTS]
