@@ -41,7 +41,7 @@ class Command:
     version: str
 
     def start(self, *words: object, **options: object) -> subprocess.Popen[str]:
-        command = [*self.words, "render", *map(str, words)]
+        command = [*self.words, *map(str, words)]
         return subprocess.Popen(  # type: ignore[call-overload, no-any-return]
             command,
             env=self.environment,
@@ -50,6 +50,10 @@ class Command:
             text=True,
             **options,
         )
+
+    def render(self, *words: object, code: int = 0, **options: object) -> str:
+        """Everything that `regraft render` said; its exit code must be `code`."""
+        return self.run("render", *words, code=code, **options)
 
     def run(self, *words: object, code: int = 0, **options: object) -> str:
         """Everything the command said; its exit code must be `code`."""
@@ -76,7 +80,7 @@ def pixels(path: Path) -> npt.NDArray[np.int16]:
 
 
 def test_frames_statistics_and_movie_are_there(command: Command, tmp_path: Path) -> None:
-    said = command.run(
+    said = command.render(
         command.scenes / "moving.blend",
         *("--output", tmp_path / "f", "--frames", "1,3-4"),
         *("--statistics", tmp_path / "s.jsonl", "--movie", tmp_path / "m.mp4"),
@@ -99,7 +103,7 @@ def test_frames_statistics_and_movie_are_there(command: Command, tmp_path: Path)
 
 def test_exr_files_hold_the_passes(command: Command, tmp_path: Path) -> None:
     passes = ("combined", "depth", "normal", "object_index", "cost")
-    command.run(
+    command.render(
         command.scenes / "moving.blend",
         *("--output", tmp_path, "--frames", "3", "--format", "exr", "--passes", ",".join(passes)),
     )
@@ -113,7 +117,7 @@ def test_exr_files_hold_the_passes(command: Command, tmp_path: Path) -> None:
 
 
 def test_a_file_without_camera_is_framed_whole(command: Command, tmp_path: Path) -> None:
-    said = command.run(command.scenes / "no_camera.blend", "--output", tmp_path, "--frames", "1")
+    said = command.render(command.scenes / "no_camera.blend", "--output", tmp_path, "--frames", "1")
     assert "no camera in the file: framing everything" in said
     picture = pixels(tmp_path / "no_camera_0001.png")
     seen = np.abs(picture - picture[0, 0]).max(axis=2) > 8
@@ -127,16 +131,16 @@ def test_bad_files_are_named(command: Command, tmp_path: Path) -> None:
     (tmp_path / "cut.blend").write_bytes(whole[: len(whole) // 2])
     (tmp_path / "text.glb").write_text("no scene at all")
     nothing = command.scenes / "no_geometry.blend"
-    assert "holds no geometry" in command.run(nothing, "--output", tmp_path / "a", code=3)
+    assert "holds no geometry" in command.render(nothing, "--output", tmp_path / "a", code=3)
     for name in ("cut.blend", "text.glb"):
-        assert name in command.run(tmp_path / name, "--output", tmp_path / "b", code=3)
+        assert name in command.render(tmp_path / name, "--output", tmp_path / "b", code=3)
     assert list((tmp_path / "a").iterdir()) == []
 
 
 def test_a_killed_run_leaves_whole_frames_and_is_resumed(command: Command, tmp_path: Path) -> None:
     words = (command.scenes / "moving.blend", "--output", tmp_path)
     big = ("--resolution", "960x540", "--frames", "1-6")
-    process = command.start(*words, *big)
+    process = command.start("render", *words, *big)
     deadline = time.monotonic() + 60
     while not (tmp_path / "moving_0002.png").exists() and time.monotonic() < deadline:
         time.sleep(0.005)
@@ -147,7 +151,7 @@ def test_a_killed_run_leaves_whole_frames_and_is_resumed(command: Command, tmp_p
     for frame in finished:
         verify(frame, 960, 540)
     before = {path: path.stat().st_mtime_ns for path in finished[:1]}
-    said = command.run(*words, *big, "--resume")
+    said = command.render(*words, *big, "--resume")
     assert "finished frames stay" in said
     assert {path: path.stat().st_mtime_ns for path in finished[:1]} == before
     assert len(list(tmp_path.glob("moving_*.png"))) == 6
@@ -157,7 +161,7 @@ def test_a_full_disk_leaves_no_truncated_frame(command: Command, tmp_path: Path)
     def allow_a_kilobyte_a_file() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 
-    said = command.run(
+    said = command.render(
         command.scenes / "moving.blend",
         *("--output", tmp_path, "--frames", "1", "--resolution", "960x540"),
         code=4,
@@ -169,9 +173,27 @@ def test_a_full_disk_leaves_no_truncated_frame(command: Command, tmp_path: Path)
 
 def test_a_simulation_looks_alike_whole_and_in_part(command: Command, tmp_path: Path) -> None:
     scene = command.scenes / "simulated.blend"
-    command.run(scene, "--output", tmp_path / "whole")
-    said = command.run(scene, "--output", tmp_path / "part", "--frames", "12")
+    command.render(scene, "--output", tmp_path / "whole")
+    said = command.render(scene, "--output", tmp_path / "part", "--frames", "12")
     assert "simulations are not baked" in said
     first, last = (pixels(tmp_path / "whole" / f"simulated_00{i}.png") for i in ("01", "12"))
     assert np.abs(first - last).max() > 20, "the cloth does not fall"
     assert np.array_equal(last, pixels(tmp_path / "part" / "simulated_0012.png"))
+
+
+def test_the_doctor_finds_this_blender_and_renders_with_it(command: Command) -> None:
+    said = command.run("doctor")
+    assert f"blender      {command.version}" in said
+    assert "a picture through the add-on" in said
+    assert said.endswith("all checks passed\n")
+
+
+def test_the_benchmark_measures_every_engine(command: Command, tmp_path: Path) -> None:
+    result = tmp_path / "b.json"
+    words = ("--frames", "1", "--resolution", "64x48", "--output", result)
+    said = command.run("bench", "sync", command.scenes / "moving.blend", *words)
+    engines = json.loads(result.read_text())["engines"]
+    assert set(engines) == {"REGRAFT", "CYCLES", "BLENDER_WORKBENCH"}
+    assert engines["REGRAFT"]["with_file_s"] > engines["REGRAFT"]["without_file_s"] > 0
+    assert engines["CYCLES"]["with_file_s"] > 0
+    assert "bytes a triangle" in said
