@@ -72,9 +72,8 @@ class PacketTracer {
         origin[k][i] = float(rays_.origin[k][i] - view_.scene_origin[k]);
         direction[k][i] = float(rays_.direction[k][i]);
       }
-    start_ = rays_.t_near[0];
-    for (int i = 1; i < lanes_all; ++i)
-      start_ = rays_.t_near[i] < start_ ? rays_.t_near[i] : start_;
+    start_ = infinity;
+    for (int i = 0; i < lanes_all; ++i) start_ = rays_.t_near[i] < start_ ? rays_.t_near[i] : start_;
     if (!set_slab_packet(top_, origin, direction, view_.magnitude)) return false;
     set_intervals(top_);
     return true;
