@@ -9,11 +9,12 @@ import bpy
 import numpy as np
 
 from .delta import MaterialTable
+from .node_values import MAX_NODES_DEEP, Colour, colour, number, scaled, source, uses_nodes
 
-Colour = tuple[float, float, float]
 BLACK: Colour = (0.0, 0.0, 0.0)
-MAX_NODES_DEEP = 32
 UNSEEN = {"BSDF_TRANSPARENT", "HOLDOUT"}
+MIRRORS = {"BSDF_GLOSSY", "BSDF_ANISOTROPIC"}
+CLEAR = {"BSDF_GLASS", "BSDF_REFRACTION"}
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def materials_of(ob: bpy.types.Object, mesh: bpy.types.Mesh) -> list[bpy.types.M
 def read_look(material: bpy.types.Material) -> Look:
     """The look of a material: its surface shader's unlinked values, else its viewport colours."""
     plain = Look(tuple(material.diffuse_color), material.metallic, material.roughness)
-    if not material.use_nodes or material.node_tree is None:
+    if not uses_nodes(material):
         return plain
     shader = _surface_shader(material.node_tree, "OUTPUT_MATERIAL")
     look = _look_of(shader, plain, MAX_NODES_DEEP)
@@ -97,12 +98,12 @@ def read_world(world: bpy.types.World | None) -> Colour:
     if world is None:
         return BLACK
     plain = tuple(world.color)
-    if not world.use_nodes or world.node_tree is None:
+    if not uses_nodes(world):
         return plain
     shader = _surface_shader(world.node_tree, "OUTPUT_WORLD")
     if shader is None:
         return BLACK
-    return _scaled(_colour(shader, ("Color",), plain), _number(shader, ("Strength",), 1.0))
+    return scaled(colour(shader, ("Color",), plain), number(shader, ("Strength",), 1.0))
 
 
 def _look_of(shader: Any, plain: Look, depth: int) -> Look | None:
@@ -112,12 +113,10 @@ def _look_of(shader: Any, plain: Look, depth: int) -> Look | None:
     if shader.type == "BSDF_PRINCIPLED":
         return _principled(shader, plain)
     if shader.type == "EMISSION":
-        light = _scaled(_colour(shader, ("Color",), BLACK), _number(shader, ("Strength",), 1.0))
+        light = scaled(colour(shader, ("Color",), BLACK), number(shader, ("Strength",), 1.0))
         return Look((0.0, 0.0, 0.0, 1.0), emission=light)
     if shader.type in {"MIX_SHADER", "ADD_SHADER"}:
-        parts = [
-            _look_of(_source(s), plain, depth - 1) for s in shader.inputs if s.type == "SHADER"
-        ]
+        parts = [_look_of(source(s), plain, depth - 1) for s in shader.inputs if s.type == "SHADER"]
         return _combined(parts, _weights(shader))
     if shader.type in UNSEEN:
         return None
@@ -127,28 +126,30 @@ def _look_of(shader: Any, plain: Look, depth: int) -> Look | None:
 
 
 def _principled(shader: Any, plain: Look) -> Look:
-    colour = _colour(shader, ("Base Color",), plain.base_color[:3])
-    emission = _colour(shader, ("Emission Color", "Emission"), BLACK)
+    base = colour(shader, ("Base Color",), plain.base_color[:3])
+    emission = colour(shader, ("Emission Color", "Emission"), BLACK)
     return Look(
-        (*colour, _number(shader, ("Alpha",), 1.0)),
-        _number(shader, ("Metallic",), plain.metallic),
-        _number(shader, ("Roughness",), plain.roughness),
-        _scaled(emission, _number(shader, ("Emission Strength",), 0.0)),
+        (*base, number(shader, ("Alpha",), 1.0)),
+        number(shader, ("Metallic",), plain.metallic),
+        number(shader, ("Roughness",), plain.roughness),
+        scaled(emission, number(shader, ("Emission Strength",), 0.0)),
     )
 
 
 def _coloured(shader: Any, plain: Look) -> Look:
-    """Diffuse, glossy, glass and their like."""
-    colour = _colour(shader, ("Color",), plain.base_color[:3])
-    metallic = 1.0 if shader.type in {"BSDF_GLOSSY", "BSDF_ANISOTROPIC"} else 0.0
-    return Look((*colour, 1.0), metallic, _number(shader, ("Roughness",), 0.5))
+    """Diffuse, glossy, glass and their like; roughness 1 is what the library calls diffuse."""
+    base = colour(shader, ("Color",), plain.base_color[:3])
+    if shader.type in MIRRORS:
+        return Look((*base, 1.0), 1.0, number(shader, ("Roughness",), 0.5))
+    is_clear = shader.type in CLEAR
+    return Look((*base, 1.0), 0.0, number(shader, ("Roughness",), 0.5) if is_clear else 1.0)
 
 
 def _weights(shader: Any) -> tuple[float, float]:
     """How much of its two inputs a mix or add shader takes."""
     if shader.type == "ADD_SHADER":
         return 1.0, 1.0
-    share = _number(shader, ("Fac", "Factor"), 0.5)
+    share = number(shader, ("Fac", "Factor"), 0.5)
     return 1.0 - share, share
 
 
@@ -163,10 +164,10 @@ def _combined(parts: list[Look | None], weights: tuple[float, float]) -> Look | 
 
     first, second = known[:2]
     total = weights[0] + weights[1]
-    colour = both(first.base_color, second.base_color)[:3]
+    base = both(first.base_color, second.base_color)[:3]
     numbers = both((first.metallic, first.roughness), (second.metallic, second.roughness))
     return Look(
-        (*colour, 1.0),
+        (*base, 1.0),
         numbers[0] / total,
         numbers[1] / total,
         both(first.emission, second.emission),
@@ -177,45 +178,4 @@ def _surface_shader(tree: Any, output_type: str) -> Any:
     """The node that feeds the surface of the active output, or None."""
     outputs = [node for node in tree.nodes if node.type == output_type]
     outputs.sort(key=lambda node: not node.is_active_output)
-    return _source(outputs[0].inputs["Surface"]) if outputs else None
-
-
-def _source(socket: Any) -> Any:
-    """The node linked to a socket, past reroutes; None if there is none."""
-    for _ in range(MAX_NODES_DEEP):
-        if not socket.is_linked or not socket.links:
-            return None
-        node = socket.links[0].from_node
-        if node.type != "REROUTE":
-            return node
-        socket = node.inputs[0]
-    return None
-
-
-def _socket(node: Any, names: tuple[str, ...]) -> Any:
-    return next((node.inputs[name] for name in names if name in node.inputs), None)
-
-
-def _colour(node: Any, names: tuple[str, ...], instead: Colour) -> Colour:
-    """Value of the first socket of these names; `instead` where a texture drives it."""
-    socket = _socket(node, names)
-    if socket is None:
-        return instead
-    source = _source(socket)
-    if source is None:
-        return tuple(socket.default_value)[:3]
-    return tuple(source.outputs[0].default_value)[:3] if source.type == "RGB" else instead
-
-
-def _number(node: Any, names: tuple[str, ...], instead: float) -> float:
-    socket = _socket(node, names)
-    if socket is None:
-        return instead
-    source = _source(socket)
-    if source is None:
-        return float(socket.default_value)
-    return float(source.outputs[0].default_value) if source.type == "VALUE" else instead
-
-
-def _scaled(colour: Colour, strength: float) -> Colour:
-    return (colour[0] * strength, colour[1] * strength, colour[2] * strength)
+    return source(outputs[0].inputs["Surface"]) if outputs else None
