@@ -71,16 +71,16 @@ class Console:
 
 
 class Progress(Protocol):
-    """Takes one step with a text for it."""
+    """Takes one step; `text` is a line of its own, `short` fits beside a bar."""
 
-    def step(self, text: str) -> None: ...
+    def step(self, text: str, short: str) -> None: ...
 
 
 class _Lines:
     def __init__(self, console: Console, total: int) -> None:
         self._console, self._total, self._done = console, total, 0
 
-    def step(self, text: str) -> None:
+    def step(self, text: str, short: str) -> None:
         self._done += 1
         self._console.say(f"[{self._done}/{self._total}] {text}")
 
@@ -89,8 +89,8 @@ class _Bar:
     def __init__(self, bar: tqdm) -> None:
         self._bar = bar
 
-    def step(self, text: str) -> None:
-        self._bar.set_postfix_str(text, refresh=False)
+    def step(self, text: str, short: str) -> None:
+        self._bar.set_postfix_str(short, refresh=False)
         self._bar.update(1)
 
 

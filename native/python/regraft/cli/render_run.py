@@ -120,7 +120,8 @@ class RenderRun:
             interrupt.temporary = None
 
     def _show(self, row: Row, progress: Progress) -> None:
-        progress.step(summary.frame_line(row, self.outputs.frame_path(row["frame"]).name))
+        name = self.outputs.frame_path(row["frame"]).name
+        progress.step(summary.frame_line(row, name), f"frame {row['frame']}")
 
     def _finish(self, info: SceneInfo, files: list[Path], rows: list[Row]) -> None:
         if self.outputs.movie:
@@ -134,6 +135,7 @@ class RenderRun:
             self.console.say(line)
 
     def _write_movie(self, target: Path, fps: float, files: list[Path]) -> None:
+        self.console.note(f"putting {len(files)} frames together in {target}")
         try:
             movie.write_movie(target, files, fps)
         except (OSError, ValueError, RuntimeError) as error:
