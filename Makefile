@@ -13,7 +13,6 @@ help: ## this list
 preview: setup-preview ## set up, then render blend_files/explosion.blend to frames, a movie and statistics
 	@$(bin)/regraft render blend_files/explosion.blend --output $(preview) --resolution 960x540 \
 	  --movie $(preview)/explosion.mp4 --statistics $(preview)/explosion.jsonl
-	@echo "frames: $(preview)/  movie: $(preview)/explosion.mp4  statistics: $(preview)/explosion.jsonl"
 
 test: lint native python ## set up, then all checks: style, types, native tests and sanitizers, Python and four Blenders
 
