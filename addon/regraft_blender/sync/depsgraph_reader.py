@@ -72,6 +72,8 @@ class DepsgraphReader:
         self.objects.meshes.invalidate(None if everything else updates.geometry)
         for material in updates.materials:
             self.objects.materials.refresh(material)
+        for light in updates.lights:
+            self.objects.read_light(light)
         self._read_instances(depsgraph, updates, view, everything, delta)
         self._read_surroundings(depsgraph, delta)
         delta.groups = self.objects.hierarchy.take_new()
@@ -96,8 +98,7 @@ class DepsgraphReader:
         listing, old = _read_listing(depsgraph), self._listing
         self._listing = listing
         is_same = is_same and old is not None and listing.lists_the_same(old)
-        is_same = is_same and not (updates.is_structural or updates.lights)
-        if is_same and self.objects.read_deformed(updates, delta):
+        if is_same and not updates.is_structural and self.objects.read_deformed(updates, delta):
             self.table.move(listing.matrices, delta)
         else:
             self._walk(depsgraph, listing, view, delta)
@@ -128,13 +129,16 @@ class DepsgraphReader:
             delta.world = self._world = world
         if self._listing is None:
             return
-        make = compat.native().Light
-        lights = tuple(
-            make(**placed(settings, as_transforms(self._listing.matrices[[position]])[0]))
-            for position, settings in ([] if self.headlight else self.objects.lights)
-        )
+        lights = () if self.headlight else self._placed_lights(self._listing.matrices)
         if lights != self._lights:
             delta.lights = self._lights = lights
+
+    def _placed_lights(self, matrices: Matrices) -> tuple[Any, ...]:
+        make, settings = compat.native().Light, self.objects.light_settings
+        return tuple(
+            make(**placed(settings[address], as_transforms(matrices[[position]])[0]))
+            for position, address in self.objects.lights
+        )
 
     def _describe(self, delta: SceneDelta) -> None:
         """Say in words what was not needed."""

@@ -141,7 +141,7 @@ def _slots(mesh: bpy.types.Mesh) -> Ints | None:
         attribute.data.foreach_get("value", slots)
     else:
         mesh.polygons.foreach_get("material_index", slots)
-    return slots if slots.any() else None
+    return slots if np.count_nonzero(slots) else None
 
 
 def _flat_faces(mesh: bpy.types.Mesh) -> Bools | None:
@@ -152,7 +152,7 @@ def _flat_faces(mesh: bpy.types.Mesh) -> Bools | None:
         attribute.data.foreach_get("value", flat)
     elif not _is_attribute_based(mesh):
         flat = ~_smooth_flags(mesh)
-    return flat if flat.any() else None
+    return flat if np.count_nonzero(flat) else None
 
 
 def _smooth_flags(mesh: bpy.types.Mesh) -> Bools:
@@ -233,7 +233,7 @@ def _sharp_edges(mesh: bpy.types.Mesh) -> Bools | None:
         attribute.data.foreach_get("value", sharp)
     elif not _is_attribute_based(mesh):
         sharp = _sharp_flags(mesh)
-    return sharp if sharp.any() else None
+    return sharp if np.count_nonzero(sharp) else None
 
 
 def _sharp_flags(mesh: bpy.types.Mesh) -> Bools:

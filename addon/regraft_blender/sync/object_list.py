@@ -27,7 +27,7 @@ class Source:
     """What all instances of one object share that the same instancer brings in with the same mesh.
 
     `seed` starts their keys; `mesh`, `group` and `materials` are handles, `owner` the address of
-    the original object whose removal removes them, `light` is set for lights.
+    the original object whose removal removes them, `light` that of the original light or 0.
     """
 
     seed: int
@@ -36,7 +36,7 @@ class Source:
     materials: int = 0
     group: int = NONE
     object_index: int = 0
-    light: LightSettings | None = None
+    light: int = 0
 
 
 class ObjectList:
@@ -48,7 +48,9 @@ class ObjectList:
         self.hierarchy = Hierarchy()
         self.notices = Notices()
         self.material_sets: list[tuple[int, ...]] = []
-        self.lights: list[tuple[int, LightSettings]] = []
+        # Settings by address of the original light, and where in Blender's list each stands.
+        self.light_settings: dict[int, LightSettings] = {}
+        self.lights: list[tuple[int, int]] = []
         # By address of the original object: its only source, or None if it is instanced, brings
         # in instances, or shares its mesh.
         self.known: dict[int, Source | None] = {}
@@ -73,6 +75,12 @@ class ObjectList:
             self._set_indices[key] = len(self.material_sets)
             self.material_sets.append(key)
         return self._set_indices[key]
+
+    def read_light(self, light: bpy.types.Light) -> int:
+        """Read an evaluated light; the address it is known by."""
+        address = int(light.original.as_pointer())
+        self.light_settings[address] = read_light(light)
+        return address
 
     def _read_alone(self, ob: bpy.types.Object, is_geometry: bool, delta: SceneDelta) -> bool:
         address = ob.original.as_pointer()
@@ -188,7 +196,7 @@ class Walk:
             group = self.objects.hierarchy.group_under(parent)
             self._instancing |= {owner, original.as_pointer()}
         if ob.type == "LIGHT":
-            return Source(seed, owner, light=read_light(ob.data))
+            return Source(seed, owner, light=self.objects.read_light(ob.data))
         mesh = instance.object.data
         if not self._draws(ob, instance, mesh):
             return Source(seed, owner)

@@ -13,15 +13,15 @@ STRUCTURAL = (bpy.types.Scene, bpy.types.Collection)
 
 @dataclass
 class Updates:
-    """One reading of `depsgraph.updates`. Addresses are of original data-blocks; the evaluated
-    ones in `objects` and `materials` are valid within the frame's callback only."""
+    """One reading of `depsgraph.updates`. Addresses are of original data-blocks; the lists hold
+    evaluated ones, valid within the frame's callback only."""
 
     is_empty: bool = True
     is_structural: bool = False
-    lights: bool = False
     geometry: set[int] = field(default_factory=set)
     objects: list[bpy.types.Object] = field(default_factory=list)
     materials: list[bpy.types.Material] = field(default_factory=list)
+    lights: list[bpy.types.Light] = field(default_factory=list)
 
 
 def read_updates(depsgraph: bpy.types.Depsgraph) -> Updates:
@@ -50,7 +50,7 @@ def _sort_in(updates: Updates, block: bpy.types.ID, is_geometry: bool) -> None:
     if isinstance(block, bpy.types.Material):
         updates.materials.append(block)
     elif isinstance(block, bpy.types.Light):
-        updates.lights = True
+        updates.lights.append(block)
     elif isinstance(block, STRUCTURAL):
         updates.is_structural = True
     elif isinstance(block, bpy.types.Object):
