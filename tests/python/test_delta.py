@@ -195,7 +195,7 @@ def test_a_real_scene_follows_every_kind_of_change() -> None:
     assert first_hit(scene).t[0] == 99.0
     mirror.apply(SceneDelta(shown=handles(1), moved=handles(1), transforms=raised(5.0)))
     assert first_hit(scene).t[0] == 95.0
-    mirror.apply(SceneDelta(deformed={1: TRIANGLE + np.float32([0, 0, 1])}))
+    mirror.apply(SceneDelta(deformed={1: TRIANGLE + np.array([0, 0, 1], np.float32)}))
     assert first_hit(scene).t[0] == 94.0
     square = MeshData(
         "square",
