@@ -53,6 +53,15 @@ def without_camera() -> None:
     save("no_camera.blend")
 
 
+def idle_camera() -> None:
+    """A camera that sees the cube, but is not the active one."""
+    scene = empty_scene()
+    add_camera()
+    scene.camera = None
+    bpy.ops.mesh.primitive_cube_add()
+    save("idle_camera.blend")
+
+
 def without_geometry() -> None:
     empty_scene()
     add_camera()
@@ -71,5 +80,6 @@ def simulated() -> None:
 
 moving()
 without_camera()
+idle_camera()
 without_geometry()
 simulated()

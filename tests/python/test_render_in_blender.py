@@ -126,6 +126,14 @@ def test_a_file_without_camera_is_framed_whole(command: Command, tmp_path: Path)
     assert not border.any(), "the head is cut"
 
 
+def test_a_camera_that_is_not_active_is_taken(command: Command, tmp_path: Path) -> None:
+    scene = command.scenes / "idle_camera.blend"
+    said = command.render(scene, "--output", tmp_path, "--frames", "1")
+    assert "no camera is active in the file: taking 'camera'" in said
+    picture = pixels(tmp_path / "idle_camera_0001.png")
+    assert np.abs(picture[45, 80] - picture[0, 0]).max() > 8, "the cube is not in the middle"
+
+
 def test_bad_files_are_named(command: Command, tmp_path: Path) -> None:
     whole = (command.scenes / "moving.blend").read_bytes()
     (tmp_path / "cut.blend").write_bytes(whole[: len(whole) // 2])

@@ -22,6 +22,22 @@ def has_geometry(scene: Any) -> bool:
     return any(_may_show(item) for item in scene.objects)
 
 
+def ensure_camera(scene: Any, aspect: float) -> list[str]:
+    """Sees to it that the scene has a camera; returns a note of what was decided, if anything.
+
+    The scene's own wins, then the first camera in it by name (importers may leave none active),
+    then one that frames everything. Raises InputError if nothing is visible to be framed.
+    """
+    if scene.camera is not None:
+        return []
+    cameras = sorted((o for o in scene.objects if o.type == "CAMERA"), key=lambda o: str(o.name))
+    if cameras:
+        scene.camera = cameras[0]
+        return [f"no camera is active in the file: taking {cameras[0].name!r}"]
+    frame_everything(scene, aspect)
+    return ["no camera in the file: framing everything from a three-quarter view"]
+
+
 def frame_everything(scene: Any, aspect: float) -> None:
     """Gives the scene a camera that sees all that is visible at its first frame.
 

@@ -44,9 +44,7 @@ class BlenderWorker:
         self._engine = blender_engine.Engine(job.engine)
         notes += self._set_up(job)
         width, height = _set_size(scene, job)
-        if scene.camera is None:
-            blender_view.frame_everything(scene, width / height)
-            notes.append("no camera in the file: framing everything from a three-quarter view")
+        notes += blender_view.ensure_camera(scene, width / height)
         self._run_up = RunUp(scene)
         if self._run_up.needed:
             notes.append("simulations are not baked: every frame from the first on is evaluated")

@@ -23,8 +23,9 @@ installed, else as the program `blender` on the PATH, or as the program that the
 variable {PROGRAM_VARIABLE} names. Scripts inside the file are not run.
 
 A frame file appears under its final name only when it is complete and has been read back.
-A file without a camera is framed whole from a three-quarter view. A folder of frames also holds
-{LEDGER}, by which --resume tells which frames are finished."""
+A file without a camera is framed whole, as at its first frame, from a three-quarter view.
+A folder of frames also holds {LEDGER}, by which --resume tells which frames
+are finished."""
 
 _EPILOG = """exit codes: 0 all asked for is there; 1 a self-check failed; 2 usage;
 3 bad or unreadable input; 4 output could not be written;
