@@ -100,4 +100,5 @@ def dress_the_set() -> None:
     kit.add_camera("Camera", (2.2, -4.0, 2.5), (0, 0, 0.42), lens=39)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -229,4 +229,5 @@ def light_and_cameras() -> None:
     kit.animate(overview, "location", [(1, 10.9), (FRAMES, 9.9)], index=0)
 
 
-main()
+if __name__ == "__main__":
+    main()

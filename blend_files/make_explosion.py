@@ -85,4 +85,5 @@ def dress_the_set() -> None:
     kit.add_camera("Camera", (8.0, -13.5, 4.6), (0, 0, 2.9), lens=35)
 
 
-main()
+if __name__ == "__main__":
+    main()

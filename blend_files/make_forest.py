@@ -195,4 +195,5 @@ def light_and_camera() -> None:
     kit.animate(camera, "location", walk, index=1)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -187,4 +187,5 @@ def light_and_camera() -> None:
     camera.data.clip_end = 500
 
 
-main()
+if __name__ == "__main__":
+    main()

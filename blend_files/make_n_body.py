@@ -8,8 +8,6 @@ Blender.
 """
 
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,77 +15,22 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+import n_body_sim
 import scene_kit as kit
 import shapes
 
-FRAMES, BODIES, STEPS_A_FRAME = 130, 450, 20
-START_RADIUS, PULL, FADE_FRAME = 9.5, 210.0, 52  # metres, G times all mass, when gravity fades away
-STIFFNESS, GIVE, SOFTENING = 9000.0, 4.0, 0.5  # of contacts, 1/s² and 1/s; metres
+FRAMES, BODIES, START_RADIUS = 130, 450, 9.5
 Array = NDArray[np.float64]
-
-
-@dataclass
-class Bodies:
-    """Places and velocities (N, 3) in metres and m/s, radii (N,), shares of the whole mass (N,)."""
-
-    place: Array
-    velocity: Array
-    radius: Array
-    mass: Array
 
 
 def main() -> None:
     kit.new_scene("N-body", FRAMES, sky=(0.035, 0.045, 0.075))
-    bodies = scattered(np.random.default_rng(450))
+    bodies = n_body_sim.scattered(BODIES, START_RADIUS, np.random.default_rng(450))
     start = np.linalg.norm(bodies.place, axis=1)
-    tracks = np.stack(list(simulate(bodies)))
+    tracks = np.stack(list(n_body_sim.simulate(bodies, FRAMES)))
     add_spheres(tracks, bodies.radius, start)
     light_and_camera()
     kit.save("n_body")
-
-
-def scattered(rng: np.random.Generator) -> Bodies:
-    """A slowly turning cloud in which no two bodies touch."""
-    radius = np.sort(np.exp(rng.normal(-0.85, 0.32, BODIES)).clip(0.22, 0.95))[::-1]
-    place: list[Array] = []
-    while len(place) < BODIES:
-        dart = rng.uniform(-START_RADIUS, START_RADIUS, 3)
-        gap = radius[: len(place)] + radius[len(place)] + 0.08
-        clear = all(np.linalg.norm(np.reshape(place, (-1, 3)) - dart, axis=1) > gap)
-        if clear and np.linalg.norm(dart) < START_RADIUS:
-            place.append(dart)
-    points = np.array(place)
-    velocity = np.cross([0.08, -0.05, 0.30], points) + rng.normal(0, 0.25, points.shape)
-    return Bodies(points, velocity, radius, radius**3 / (radius**3).sum())
-
-
-def simulate(bodies: Bodies) -> Iterator[Array]:
-    """Yields the places (N, 3) at each frame; symplectic Euler steps."""
-    step = 1 / (24 * STEPS_A_FRAME)
-    for frame in range(FRAMES):
-        yield bodies.place.copy()
-        pull = PULL / (1 + np.exp((frame - FADE_FRAME) / 2.5))
-        for _ in range(STEPS_A_FRAME):
-            bodies.velocity += acceleration(bodies, pull) * step
-            bodies.place += bodies.velocity * step
-
-
-def acceleration(bodies: Bodies, pull: float) -> Array:
-    """Softened gravity, and a damped spring between bodies that touch; (N, 3) in m/s²."""
-    apart = bodies.place[None, :] - bodies.place[:, None]
-    squared = (apart * apart).sum(axis=-1)
-    gravity = pull * bodies.mass[None, :] / (squared + SOFTENING**2) ** 1.5
-    total: Array = np.einsum("ij,ijk->ik", gravity, apart)
-    first, second = np.nonzero(squared < np.add.outer(bodies.radius, bodies.radius) ** 2)
-    first, second = first[first != second], second[first != second]
-    distance = np.sqrt(squared[first, second])[:, None]
-    normal = apart[first, second] / distance
-    overlap = (bodies.radius[first] + bodies.radius[second])[:, None] - distance
-    approach = bodies.velocity[first] - bodies.velocity[second]
-    closing = (approach * normal).sum(axis=1, keepdims=True)
-    share = (bodies.mass[second] / (bodies.mass[first] + bodies.mass[second]))[:, None]
-    np.add.at(total, first, -normal * share * (STIFFNESS * overlap + GIVE * closing))
-    return total
 
 
 def add_spheres(tracks: Array, radius: Array, start: Array) -> None:
@@ -119,4 +62,5 @@ def light_and_camera() -> None:
     kit.add_camera("Camera", (9, -28, 9), (0, 0, -0.1), lens=34)
 
 
-main()
+if __name__ == "__main__":
+    main()

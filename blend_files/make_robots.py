@@ -200,4 +200,5 @@ def walls(into: bpy.types.Collection) -> None:
         kit.add_object("Pipe run", made, location=(0, -8.05, z), into=into)
 
 
-main()
+if __name__ == "__main__":
+    main()

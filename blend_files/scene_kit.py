@@ -8,6 +8,7 @@ World units are metres, Z is up, colours are linear RGB.
 import math
 import shutil
 import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -274,11 +275,12 @@ def fibonacci_sphere(count: int) -> NDArray[np.float64]:
 
 
 def save(name: str) -> None:
-    """Writes `<name>.blend` beside the makers, compressed, without unused data."""
+    """Writes `<name>.blend`, compressed, beside the makers or into the folder named after `--`."""
     bpy.context.scene.frame_set(1)
     bpy.context.preferences.filepaths.save_version = 0
     bpy.ops.outliner.orphans_purge(do_recursive=True)
-    path = FOLDER / f"{name}.blend"
+    words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
+    path = Path(words[0] if words else FOLDER).resolve() / f"{name}.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True)
     _pack_tighter(path)
     print(f"{path.name}: {path.stat().st_size / 1e6:.2f} MB")
