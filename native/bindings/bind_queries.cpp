@@ -88,6 +88,7 @@ void for_packets(Executor& executor, std::size_t packets, const Work& work) {
   poll.rethrow();
 }
 
+template <Search search>
 HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& directions,
                      const LimitArg& t_near, const LimitArg& t_far) {
   const RayArrays rays = ray_arrays(origins, directions, t_near, t_far);
@@ -99,7 +100,7 @@ HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg&
   const Scene& scene = self.renderer.scene();
   for_packets(self.renderer.executor(), rays.batch.packet_count(),
               [&](std::size_t begin, std::size_t end) {
-                trace_closest(rays.batch, tracing.tracer(), scene, begin, end, arrays);
+                trace_closest(rays.batch, tracing.tracer(), scene, search, begin, end, arrays);
               });
   return hits;
 }
@@ -143,7 +144,7 @@ void bind_results(py::module_& module) {
 void bind_queries(SceneClass& scene) {
   const auto no_limit = py::float_(std::numeric_limits<double>::infinity());
   scene
-      .def("closest_hit", &closest_hit, py::arg("origins"), py::arg("directions"),
+      .def("closest_hit", &closest_hit<Search::trees>, py::arg("origins"), py::arg("directions"),
            py::arg("t_near") = 0.0, py::arg("t_far") = no_limit,
            R"(Nearest hit of each of N rays in [t_near, t_far].
 
@@ -156,6 +157,12 @@ the GIL.
 
 Raises ValueError for another shape or dtype, RuntimeError if the scene changed since its
 last update.)")
+      .def("closest_hit_brute_force", &closest_hit<Search::brute_force>, py::arg("origins"),
+           py::arg("directions"), py::arg("t_near") = 0.0, py::arg("t_far") = no_limit,
+           R"(`closest_hit` without any tree: every ray against every triangle.
+
+For checks: whatever the policy, structure and layout, `closest_hit` returns these very bits.
+Takes about a nanosecond a ray and triangle.)")
       .def("any_hit", &any_hit, py::arg("origins"), py::arg("directions"), py::arg("t_near") = 0.0,
            py::arg("t_far") = no_limit,
            R"(Whether each of N rays hits anything in [t_near, t_far]: (N,) bool.

@@ -135,13 +135,15 @@ void RayBatch::pack(std::size_t p, RayPacket& rays) const {
 }
 
 void trace_closest(const RayBatch& batch, const trace::Tracer& tracer, const Scene& scene,
-                   std::size_t begin, std::size_t end, const HitArrays& out) {
+                   Search search, std::size_t begin, std::size_t end, const HitArrays& out) {
   RayPacket rays;
   HitPacket hits;
   trace::TraceCounters counters;
   for (std::size_t p = begin; p < end; ++p) {
     batch.pack(p, rays);
-    if (coherent(rays)) {
+    if (search == Search::brute_force) {
+      tracer.brute_force(rays, hits, counters);
+    } else if (coherent(rays)) {
       tracer.closest_hit(rays, hits, counters);
     } else {
       tracer.closest_hit_single(rays, hits, counters);

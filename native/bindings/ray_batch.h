@@ -46,10 +46,13 @@ struct HitArrays {
   float* normal;
 };
 
+/// Through the trees, or every ray against every triangle.
+enum class Search { trees, brute_force };
+
 /// Packets [begin, end) of `batch`, traced. Normals are unit vectors of the world frame, facing as
 /// the transformed triangle is wound; zero where nothing is hit.
 void trace_closest(const RayBatch& batch, const trace::Tracer& tracer, const Scene& scene,
-                   std::size_t begin, std::size_t end, const HitArrays& hits);
+                   Search search, std::size_t begin, std::size_t end, const HitArrays& hits);
 void trace_any(const RayBatch& batch, const trace::Tracer& tracer, std::size_t begin,
                std::size_t end, bool* hit);
 

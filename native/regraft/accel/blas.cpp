@@ -92,6 +92,7 @@ trace::MeshView Blas::view(const Mesh& mesh) const {
   view.nodes = wide_.width() == 8 ? static_cast<const void*>(wide_.nodes<8>())
                                   : static_cast<const void*>(wide_.nodes<4>());
   view.prim_ids = bvh_.prim_ids.data();
+  view.prim_count = std::uint32_t(bvh_.prim_ids.size());
   view.magnitude = box.magnitude();
   const Vec3d center = 0.5 * (Vec3d(box.lo) + Vec3d(box.hi));
   for (int k = 0; k < 3; ++k) view.center[k] = center[k];

@@ -11,7 +11,7 @@ namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
 template <int W, int R>
 constexpr Kernels kernel_table() {
   return {&Packets<W, R>::closest_hit, &Packets<W, R>::any_hit, &Single<W>::closest_hit,
-          &Single<W>::any_hit, W};
+          &Single<W>::any_hit,         &Single<W>::brute_force, W};
 }
 
 }  // namespace regraft::trace::REGRAFT_SIMD_NAMESPACE

@@ -15,6 +15,8 @@ struct Kernels {
   void (*closest_hit_single)(const TraceView&, const RayPacket&, HitPacket&, TraceCounters&,
                              std::uint32_t* cost);
   std::uint64_t (*any_hit_single)(const TraceView&, const RayPacket&, TraceCounters&);
+  /// Every ray against every triangle, without any tree.
+  void (*brute_force)(const TraceView&, const RayPacket&, HitPacket&, TraceCounters&);
   /// Slots of the wide nodes these kernels read.
   int width;
 };

@@ -73,7 +73,8 @@ class PacketTracer {
         direction[k][i] = float(rays_.direction[k][i]);
       }
     start_ = infinity;
-    for (int i = 0; i < lanes_all; ++i) start_ = rays_.t_near[i] < start_ ? rays_.t_near[i] : start_;
+    for (int i = 0; i < lanes_all; ++i)
+      start_ = rays_.t_near[i] < start_ ? rays_.t_near[i] : start_;
     if (!set_slab_packet(top_, origin, direction, view_.magnitude)) return false;
     set_intervals(top_);
     return true;

@@ -55,6 +55,26 @@ struct Single {
     }
   }
 
+  static void brute_force(const TraceView& view, const RayPacket& rays, HitPacket& hits,
+                          TraceCounters& counters) {
+    for (std::uint64_t todo = rays.active; todo != 0; todo &= todo - 1) {
+      const auto i = std::uint32_t(std::countr_zero(todo));
+      const WorldRay ray = load_ray(rays, i);
+      const SlabRay top = make_top(view, ray);
+      Work work;
+      Nearest nearest{ray.t_far, 0xFFFFFFFFu, 0xFFFFFFFFu, 0.0f, 0.0f};
+      for (std::uint32_t n = 0; n < view.instance_count && valid(ray); ++n) {
+        const MeshView& mesh = view.instances[n].mesh;
+        LocalRay local;
+        if (mesh.prim_count != 0 && make_local(ray, top, view.instances[n], local))
+          test_prims<false>(local, view.instances[n], mesh.prim_ids, int(mesh.prim_count), nearest,
+                            work);
+      }
+      store_hit(hits, i, nearest);
+      count(counters, work);
+    }
+  }
+
   static std::uint64_t any_hit(const TraceView& view, const RayPacket& rays,
                                TraceCounters& counters) {
     std::uint64_t occluded = 0;

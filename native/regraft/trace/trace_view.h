@@ -10,6 +10,7 @@ struct MeshView {
   const std::uint32_t* triangles = nullptr;  ///< packed corner indices
   const void* nodes = nullptr;               ///< bvh::WideNode<width>[]; null: nothing to hit
   const std::uint32_t* prim_ids = nullptr;
+  std::uint32_t prim_count = 0;
   float magnitude = 0.0f;  ///< largest |coordinate| of the root's box
   double center[3]{};      ///< of the root's box
   double radius = 0.0;     ///< half its diagonal

@@ -42,6 +42,10 @@ void Tracer::closest_hit_single(const RayPacket& rays, HitPacket& hits, TraceCou
   kernels_->closest_hit_single(*view_, rays, hits, counters, cost);
 }
 
+void Tracer::brute_force(const RayPacket& rays, HitPacket& hits, TraceCounters& counters) const {
+  kernels_->brute_force(*view_, rays, hits, counters);
+}
+
 std::uint64_t Tracer::any_hit_single(const RayPacket& rays, TraceCounters& counters) const {
   return kernels_->any_hit_single(*view_, rays, counters);
 }

@@ -28,6 +28,10 @@ class Tracer {
                           std::uint32_t* cost = nullptr) const;
   std::uint64_t any_hit_single(const RayPacket& rays, TraceCounters& counters) const;
 
+  /// Nearest hits found by testing every triangle: the oracle that every tree must equal bit for
+  /// bit. O(triangles) a ray.
+  void brute_force(const RayPacket& rays, HitPacket& hits, TraceCounters& counters) const;
+
  private:
   const TraceView* view_;
   const Kernels* kernels_;
