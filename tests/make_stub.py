@@ -20,7 +20,7 @@ HEADER = '''"""{doc}"""
 # Written by tests/make_stub.py.
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt

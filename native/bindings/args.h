@@ -40,13 +40,14 @@ Promised as(const py::object& object) {
   return py::reinterpret_borrow<Promised>(object);
 }
 
-using IntArg = Arg<"int">;
+using IntArg = Arg<"typing.SupportsIndex">;
 using FloatsArg = Arg<"numpy.typing.ArrayLike">;
 using Float32Arg = Arg<"numpy.typing.NDArray[numpy.float32]">;
 using Float64Arg = Arg<"numpy.typing.NDArray[numpy.float64]">;
 using Uint16Arg = Arg<"numpy.typing.NDArray[numpy.uint16]">;
 using Uint32Arg = Arg<"numpy.typing.NDArray[numpy.uint32]">;
-using IdsArg = Arg<"numpy.typing.NDArray[numpy.uint32] | collections.abc.Sequence[int]">;
+using IdsArg =
+    Arg<"numpy.typing.NDArray[numpy.uint32] | collections.abc.Sequence[typing.SupportsIndex]">;
 
 template <typename T>
 using Array =

@@ -10,7 +10,7 @@ namespace regraft::bindings {
 namespace {
 
 using MaterialListsArg =
-    Arg<"tuple[int, ...] | collections.abc.Sequence[collections.abc.Sequence[int]]">;
+    Arg<"collections.abc.Sequence[int] | collections.abc.Sequence[collections.abc.Sequence[int]]">;
 
 std::vector<Mat4d> checked_matrices(const py::object& object, std::size_t count) {
   const auto array = checked<double>(object, "transforms", {static_cast<py::ssize_t>(count), 4, 4});
@@ -158,9 +158,8 @@ Raises ValueError, and moves none, if one of them is wrong.)")
            py::arg("ids"), R"(Gives an instance other materials, one id a slot of its mesh.)")
       .def("remove_instance", &remove_instance, py::arg("instance_id"),
            R"(Removes an instance. Its id is never used again.)")
-      .def(
-          "remove_instances", &remove_instances, py::arg("ids"),
-          R"(Removes instances: ids (N,) uint32.
+      .def("remove_instances", &remove_instances, py::arg("ids"),
+           R"(Removes instances: ids (N,) uint32.
 
 Raises ValueError, and removes none, if an id is wrong or given twice.)");
 }

@@ -63,20 +63,25 @@ RayArrays ray_arrays(const RealsArg& origins, const RealsArg& directions, const 
   return rays;
 }
 
-/// Up to here, waking other threads costs more than it brings.
-constexpr std::size_t alone_packets = 4;
-/// From here on the work takes long enough for somebody to want to interrupt it.
-constexpr std::size_t polled_packets = 4096;
+/// How N packets are shared out.
+struct Sharing {
+  /// Up to here, waking other threads costs more than it brings.
+  std::size_t alone = 4;
+  /// From here on the work takes long enough for somebody to want to interrupt it.
+  std::size_t polled = 4096;
+  std::size_t grain = 16;
+};
 
 /// Calls `work(begin, end)` for all packets on all threads, without the GIL.
 template <typename Work>
-void for_packets(Executor& executor, std::size_t packets, const Work& work) {
-  if (packets <= alone_packets) return work(0, packets);
+void for_packets(Executor& executor, std::size_t packets, const Sharing& sharing,
+                 const Work& work) {
+  if (packets <= sharing.alone) return work(0, packets);
+  const std::size_t grain = sharing.grain;
   PythonPoll poll;
   {
     const py::gil_scoped_release no_gil;
-    constexpr std::size_t grain = 16;
-    if (packets < polled_packets) {
+    if (packets < sharing.polled) {
       executor.parallel_for(packets, grain, work);
     } else {
       executor.parallel_for_polled(
@@ -98,7 +103,8 @@ HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg&
                          hits.prim_id.mutable_data(), hits.u.mutable_data(),
                          hits.v.mutable_data(),       hits.normal.mutable_data()};
   const Scene& scene = self.renderer.scene();
-  for_packets(self.renderer.executor(), rays.batch.packet_count(),
+  const Sharing sharing = search == Search::trees ? Sharing{} : Sharing{0, 0, 1};
+  for_packets(self.renderer.executor(), rays.batch.packet_count(), sharing,
               [&](std::size_t begin, std::size_t end) {
                 trace_closest(rays.batch, tracing.tracer(), scene, search, begin, end, arrays);
               });
@@ -111,7 +117,7 @@ BoolArray any_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& di
   const Tracing tracing(self);
   py::array_t<bool> hit(rays.origins.shape(0));
   bool* out = hit.mutable_data();
-  for_packets(self.renderer.executor(), rays.batch.packet_count(),
+  for_packets(self.renderer.executor(), rays.batch.packet_count(), Sharing{},
               [&](std::size_t begin, std::size_t end) {
                 trace_any(rays.batch, tracing.tracer(), begin, end, out);
               });
@@ -161,8 +167,8 @@ last update.)")
            py::arg("directions"), py::arg("t_near") = 0.0, py::arg("t_far") = no_limit,
            R"(`closest_hit` without any tree: every ray against every triangle.
 
-For checks: whatever the policy, structure and layout, `closest_hit` returns these very bits.
-Takes about a nanosecond a ray and triangle.)")
+For checks: whatever the policy, structure and layout, `closest_hit` returns these very
+bits. Takes about a nanosecond a ray and triangle.)")
       .def("any_hit", &any_hit, py::arg("origins"), py::arg("directions"), py::arg("t_near") = 0.0,
            py::arg("t_far") = no_limit,
            R"(Whether each of N rays hits anything in [t_near, t_far]: (N,) bool.

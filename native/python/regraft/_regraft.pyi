@@ -3,7 +3,7 @@
 # Written by tests/make_stub.py.
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
@@ -99,7 +99,7 @@ class Scene:
     shapes, dtypes, indices and ids raise ValueError and change nothing; tracing a scene that
     changed since its last update raises RuntimeError.
     """
-    def __init__(self, threads: int = 0, *, isa: str = "auto") -> None:
+    def __init__(self, threads: SupportsIndex = 0, *, isa: str = "auto") -> None:
         """threads: how many to work with, this one included; 0: all cores.
 
         isa: auto, scalar, sse, avx2 or avx512; one that the machine lacks raises ValueError.
@@ -125,7 +125,7 @@ class Scene:
         `update` counts them in its warnings. Raises ValueError for another shape or dtype or an
         index out of range.
         """
-    def set_vertices(self, mesh_id: int, vertices: npt.NDArray[np.float32]) -> None:
+    def set_vertices(self, mesh_id: SupportsIndex, vertices: npt.NDArray[np.float32]) -> None:
         """Moves a mesh's vertices, keeping its triangles: the tree can be refitted.
 
         vertices: (V, 3) float32, object space, as many as the mesh has. Positions equal bit for
@@ -134,7 +134,7 @@ class Scene:
         """
     def set_mesh(
         self,
-        mesh_id: int,
+        mesh_id: SupportsIndex,
         vertices: npt.NDArray[np.float32],
         triangles: npt.NDArray[np.uint32],
         *,
@@ -146,12 +146,12 @@ class Scene:
         Arguments as for `add_mesh`. Raises ValueError, and changes nothing, if one of them is
         wrong.
         """
-    def remove_mesh(self, mesh_id: int) -> None:
+    def remove_mesh(self, mesh_id: SupportsIndex) -> None:
         """Removes a mesh. Its id is never used again.
 
         Raises ValueError while instances use it.
         """
-    def add_group(self, parent: int | None = None, *, name: str = "") -> int:
+    def add_group(self, parent: SupportsIndex | None = None, *, name: str = "") -> int:
         """Adds a level of the scene's hierarchy (a collection, a parent) and returns its id.
 
         Groups carry no transform. Raises ValueError if the parent group does not exist.
@@ -182,13 +182,13 @@ class Scene:
         """Numbers of `meshes`, `instances`, `groups` and `triangles` (of meshes) that exist."""
     def add_instance(
         self,
-        mesh_id: int,
+        mesh_id: SupportsIndex,
         transform: npt.NDArray[np.float64] | None = None,
         *,
-        group: int | None = None,
+        group: SupportsIndex | None = None,
         name: str = "",
-        materials: npt.NDArray[np.uint32] | Sequence[int] | None = None,
-        object_index: int = 0,
+        materials: npt.NDArray[np.uint32] | Sequence[SupportsIndex] | None = None,
+        object_index: SupportsIndex = 0,
     ) -> int:
         """Places a mesh in the world and returns the instance's id.
 
@@ -206,7 +206,7 @@ class Scene:
         transforms: npt.NDArray[np.float64],
         *,
         groups: npt.NDArray[np.uint32] | None = None,
-        materials: tuple[int, ...] | Sequence[Sequence[int]] | None = None,
+        materials: Sequence[int] | Sequence[Sequence[int]] | None = None,
         object_indices: npt.NDArray[np.uint32] | None = None,
     ) -> npt.NDArray[np.uint32]:
         """Places N meshes in the world and returns the instances' ids, (N,) uint32.
@@ -215,27 +215,29 @@ class Scene:
         uint32, 0xFFFFFFFF for none; materials: one tuple of ids for all, or a list of N;
         object_indices: (N,) uint32. Raises ValueError, and adds none, if one of them is wrong.
         """
-    def set_transform(self, instance_id: int, m: npt.NDArray[np.float64]) -> None:
+    def set_transform(self, instance_id: SupportsIndex, m: npt.NDArray[np.float64]) -> None:
         """Moves an instance; m: (4, 4) float64, object to world, column vectors.
 
         A matrix equal bit for bit to the present one is no change.
         """
     def set_transforms(
-        self, ids: npt.NDArray[np.uint32] | Sequence[int], transforms: npt.NDArray[np.float64]
+        self,
+        ids: npt.NDArray[np.uint32] | Sequence[SupportsIndex],
+        transforms: npt.NDArray[np.float64],
     ) -> None:
         """Moves N instances: ids (N,) uint32, transforms (N, 4, 4) float64, object to world.
 
         Raises ValueError, and moves none, if one of them is wrong.
         """
-    def set_visible(self, instance_id: int, flag: bool) -> None:
+    def set_visible(self, instance_id: SupportsIndex, flag: bool) -> None:
         """Hides or shows an instance. A hidden one keeps its mesh's tree."""
     def set_instance_materials(
-        self, instance_id: int, ids: npt.NDArray[np.uint32] | Sequence[int]
+        self, instance_id: SupportsIndex, ids: npt.NDArray[np.uint32] | Sequence[SupportsIndex]
     ) -> None:
         """Gives an instance other materials, one id a slot of its mesh."""
-    def remove_instance(self, instance_id: int) -> None:
+    def remove_instance(self, instance_id: SupportsIndex) -> None:
         """Removes an instance. Its id is never used again."""
-    def remove_instances(self, ids: npt.NDArray[np.uint32] | Sequence[int]) -> None:
+    def remove_instances(self, ids: npt.NDArray[np.uint32] | Sequence[SupportsIndex]) -> None:
         """Removes instances: ids (N,) uint32.
 
         Raises ValueError, and removes none, if an id is wrong or given twice.
@@ -246,7 +248,7 @@ class Scene:
         structure: str = "auto",
         layout: str = "two-level",
         *,
-        frames_left: int | None = None,
+        frames_left: SupportsIndex | None = None,
     ) -> UpdateStatistics:
         """Brings the trees up to date with the scene; free where nothing changed.
 
@@ -290,6 +292,18 @@ class Scene:
         Raises ValueError for another shape or dtype, RuntimeError if the scene changed since its
         last update.
         """
+    def closest_hit_brute_force(
+        self,
+        origins: npt.NDArray[np.float32] | npt.NDArray[np.float64],
+        directions: npt.NDArray[np.float32] | npt.NDArray[np.float64],
+        t_near: float | npt.NDArray[np.float32] = 0.0,
+        t_far: float | npt.NDArray[np.float32] = float("inf"),
+    ) -> HitBatch:
+        """`closest_hit` without any tree: every ray against every triangle.
+
+        For checks: whatever the policy, structure and layout, `closest_hit` returns these very
+        bits. Takes about a nanosecond a ray and triangle.
+        """
     def any_hit(
         self,
         origins: npt.NDArray[np.float32] | npt.NDArray[np.float64],
@@ -310,14 +324,14 @@ class Scene:
     def render(
         self,
         camera: Camera,
-        width: int,
-        height: int,
+        width: SupportsIndex,
+        height: SupportsIndex,
         *,
         shading: str = "direct",
-        samples: int = 1,
+        samples: SupportsIndex = 1,
         passes: Sequence[str] = ("combined",),
         region: tuple[int, int, int, int] | None = None,
-        seed: int = 0,
+        seed: SupportsIndex = 0,
         transparent: bool = False,
         progress: Callable[[float], Any] | None = None,
         cancel: Callable[[], bool] | None = None,
