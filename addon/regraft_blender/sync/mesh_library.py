@@ -50,8 +50,8 @@ class MeshLibrary:
         self._by_source: dict[int, set[int]] = {}
         self._next_handle = 0
 
-    def __len__(self) -> int:
-        return len(self._records)
+    def __contains__(self, handle: int) -> bool:
+        return handle in self._by_handle
 
     def __getitem__(self, handle: int) -> Record:
         return self._by_handle[handle]

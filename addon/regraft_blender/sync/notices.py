@@ -42,9 +42,9 @@ class Notices:
             self.warn(f"'{ob.name}': {kind} are not drawn", once_for=kind)
         if any(_is_hair(system.settings) for system in ob.particle_systems):
             self.warn(f"'{ob.name}': hair particles are not drawn", once_for="hair")
-        if ob.holdout_get(view_layer=view_layer):
+        if ob.original.holdout_get(view_layer=view_layer):
             self.warn(f"'{ob.name}': holdouts are drawn as ordinary objects", once_for="holdout")
-        if ob.indirect_only_get(view_layer=view_layer):
+        if ob.original.indirect_only_get(view_layer=view_layer):
             self.remark(f"'{ob.name}' and other indirect-only objects: not drawn", "indirect")
 
     def _note(self, notes: list[str], text: str, once_for: str) -> None:

@@ -18,6 +18,8 @@ from .notices import Notices
 from .updates import Updates
 
 MAX_INSTANCES = 2_000_000
+# Blender cuts infinite coordinates off at the largest float; nothing real is beyond this.
+FARTHEST = 1e30
 GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 NO_MESH = NONE
 
@@ -92,7 +94,7 @@ class ObjectList:
         if source.mesh == NO_MESH:
             return not (is_geometry and ob.type in GEOMETRY)
         mesh = ob.data
-        if not _has_faces(mesh):
+        if not _has_faces(mesh) or source.mesh not in self.meshes:
             return False
         record = self.meshes[source.mesh]
         if self.material_set(ob, mesh, record.slot_count) != source.materials:
@@ -127,15 +129,15 @@ class Walk:
         """The instances that have geometry, given all instances' matrices (N,16) and whether
         each is shown (N,). Meshes that changed are read on the way."""
         self.objects.hierarchy.open(self.depsgraph.scene.original)
-        index = self._walk()
+        index = self._walk(shown.tolist())
         self.objects.hierarchy.close()
         self._remember(index)
         count = len(index)
-        finite = np.isfinite(matrices[:count]).all(axis=1)
-        if not finite.all():
+        near = (np.abs(matrices[:count]) < FARTHEST).all(axis=1)
+        if not near.all():
             self.objects.notices.warn("instances whose matrix is not finite are not drawn")
         meshes = self._gather("mesh", np.uint32)[index]
-        positions = np.flatnonzero((meshes != NO_MESH) & shown[:count] & finite)
+        positions = np.flatnonzero((meshes != NO_MESH) & shown[:count] & near)
         return self._rows(positions, index[positions], matrices[positions])
 
     def _rows(self, positions: np.ndarray, index: np.ndarray, matrices: Matrices) -> Rows:
@@ -160,11 +162,12 @@ class Walk:
         seeds = self._gather("seed", np.uint64)[index]
         return made_unique(mixed(seeds, words.reshape(-1, 8)[positions]))
 
-    def _walk(self) -> np.ndarray:
+    def _walk(self, shown: list[bool]) -> np.ndarray:
         """(N,) the source of each instance; the loop that runs once an instance."""
         seen: dict[tuple[int, ...], int] = {}
         index: list[int] = []
-        for instance in islice(self.depsgraph.object_instances, MAX_INSTANCES):
+        listed = zip(islice(self.depsgraph.object_instances, MAX_INSTANCES), shown, strict=False)
+        for instance, is_shown in listed:
             key: tuple[int, ...]
             if instance.is_instance:
                 data = instance.object.data
@@ -172,19 +175,20 @@ class Walk:
                     instance.instance_object.as_pointer(),
                     instance.parent.as_pointer(),
                     data.as_pointer() if data else 0,
+                    is_shown,
                 )
             else:
-                key = (instance.object.as_pointer(),)
+                key = (instance.object.as_pointer(), is_shown)
             number = seen.get(key)
             if number is None:
                 number = seen[key] = len(self.sources)
-                self.sources.append(self._source(instance))
+                self.sources.append(self._source(instance, is_shown))
             index.append(number)
         if len(index) == MAX_INSTANCES:
             self.objects.notices.warn(f"only the first {MAX_INSTANCES:,} instances are drawn")
         return np.array(index, np.int64)
 
-    def _source(self, instance: bpy.types.DepsgraphObjectInstance) -> Source:
+    def _source(self, instance: bpy.types.DepsgraphObjectInstance, is_shown: bool) -> Source:
         ob = instance.instance_object if instance.is_instance else instance.object
         original = ob.original
         owner, seed = original.as_pointer(), original.as_pointer()
@@ -198,7 +202,7 @@ class Walk:
         if ob.type == "LIGHT":
             return Source(seed, owner, light=self.objects.read_light(ob.data))
         mesh = instance.object.data
-        if not self._draws(ob, instance, mesh):
+        if not is_shown or not self._draws(ob, instance, mesh):
             return Source(seed, owner)
         handle = self._mesh_handle(ob, instance, mesh)
         slots = self.objects.meshes[handle].slot_count
@@ -218,7 +222,7 @@ class Walk:
         bringer = instance.parent if instance.is_instance else ob
         if self.view is not None and not bringer.visible_in_viewport_get(self.view):
             return False
-        return not ob.indirect_only_get(view_layer=self.depsgraph.view_layer)
+        return not ob.original.indirect_only_get(view_layer=self.depsgraph.view_layer)
 
     def _mesh_handle(
         self,
