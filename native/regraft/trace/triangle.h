@@ -27,9 +27,13 @@ struct Nearest {
   }
 };
 
-/// Watertight test (Woop, Benthin, Wald, JCGT 2013) of the axis KZ: edge functions, determinant
-/// and scaled distance of N (ray, triangle) pairs. Corners are given relative to the ray's
-/// origin, sheared axes first. Needs `-ffp-contract=off`: fused edge functions open cracks.
+/// Watertight test (Woop, Benthin, Wald, JCGT 2013): edge functions, determinant and distance of N
+/// (ray, triangle) pairs. Corners are given relative to the ray's origin, sheared axes first.
+/// Needs `-ffp-contract=off`: fused edge functions open cracks.
+///
+/// Signs are always those of the exact edge functions of the sheared corners: rounding is
+/// monotone, and what it makes 0, or not a number, is computed again in double. So neighbours
+/// agree on their common edge.
 template <int N>
 struct EdgeTest {
   Float<N> u, v, w, det, t;
@@ -37,40 +41,102 @@ struct EdgeTest {
 
   REGRAFT_INLINE EdgeTest(const Float<N> (&a)[3], const Float<N> (&b)[3], const Float<N> (&c)[3],
                           Float<N> sx, Float<N> sy, Float<N> sz) {
-    const Float<N> ax = a[0] - sx * a[2], ay = a[1] - sy * a[2];
-    const Float<N> bx = b[0] - sx * b[2], by = b[1] - sy * b[2];
-    const Float<N> cx = c[0] - sx * c[2], cy = c[1] - sy * c[2];
-    u = cx * by - cy * bx;
-    v = ax * cy - ay * cx;
-    w = bx * ay - by * ax;
+    const Float<N> x[3] = {a[0] - sx * a[2], b[0] - sx * b[2], c[0] - sx * c[2]};
+    const Float<N> y[3] = {a[1] - sy * a[2], b[1] - sy * b[2], c[1] - sy * c[2]};
+    const Float<N> z[3] = {a[2], b[2], c[2]};
+    u = x[2] * y[1] - y[2] * x[1];
+    v = x[0] * y[2] - y[0] * x[2];
+    w = x[1] * y[0] - y[1] * x[0];
+    det = (u + v) + w;
     const Float<N> zero(0.0f);
-    const LaneBits on_edge = (u == zero) | (v == zero) | (w == zero);
-    if (on_edge != 0) recompute(ax, ay, bx, by, cx, cy, on_edge);
+    const LaneBits doubtful =
+        ((u == zero) | (v == zero) | (w == zero) | ~((det < zero) | (zero < det))) & all;
+    if (doubtful != 0) redo_signs(x, y, doubtful);
     const LaneBits negative = (u < zero) | (v < zero) | (w < zero);
     const LaneBits positive = (zero < u) | (zero < v) | (zero < w);
-    det = (u + v) + w;
-    t = ((u * (sz * a[2]) + v * (sz * b[2])) + w * (sz * c[2])) / det;
-    // A determinant of zero or NaN is neither below nor above zero.
     hit = ~(negative & positive) & ((det < zero) | (zero < det));
+    if (hit == 0) return;
+    t = (((u * z[0] + v * z[1]) + w * z[2]) / det) * sz;
+    const LaneBits rough = hit & (doubtful | ill_conditioned(x, y, z));
+    if (rough != 0) redo_point(x, y, z, sz, rough);
   }
 
  private:
-  /// The sign of a product difference can be lost in float but not in double: both products
-  /// of two floats are exact there.
-  REGRAFT_INLINE void recompute(Float<N> ax, Float<N> ay, Float<N> bx, Float<N> by, Float<N> cx,
-                                Float<N> cy, LaneBits lanes) {
-    alignas(64) float p[6][N], e[3][N];
-    ax.store(p[0]), ay.store(p[1]), bx.store(p[2]), by.store(p[3]), cx.store(p[4]), cy.store(p[5]);
+  static constexpr LaneBits all = LaneBits((std::uint64_t(1) << N) - 1);
+
+  /// The edge functions in double, where each product of two floats is exact.
+  struct Exact {
+    double u, v, w;
+    REGRAFT_INLINE Exact(const float (&x)[3][N], const float (&y)[3][N], int i)
+        : u(double(x[2][i]) * y[1][i] - double(y[2][i]) * x[1][i]),
+          v(double(x[0][i]) * y[2][i] - double(y[0][i]) * x[2][i]),
+          w(double(x[1][i]) * y[0][i] - double(y[1][i]) * x[0][i]) {}
+  };
+
+  static REGRAFT_INLINE void store(const Float<N> (&from)[3], float (&to)[3][N]) {
+    for (int k = 0; k < 3; ++k) from[k].store(to[k]);
+  }
+
+  /// Scaled to magnitudes about 1, so that no sign is lost to the range of floats.
+  REGRAFT_INLINE void redo_signs(const Float<N> (&x)[3], const Float<N> (&y)[3], LaneBits lanes) {
+    alignas(64) float px[3][N], py[3][N], e[3][N];
+    store(x, px), store(y, py);
     u.store(e[0]), v.store(e[1]), w.store(e[2]);
-    for (int i = 0; i < N; ++i) {
-      if ((lanes >> i & 1u) == 0) continue;
-      const double dax = p[0][i], day = p[1][i], dbx = p[2][i];
-      const double dby = p[3][i], dcx = p[4][i], dcy = p[5][i];
-      e[0][i] = float(dcx * dby - dcy * dbx);
-      e[1][i] = float(dax * dcy - day * dcx);
-      e[2][i] = float(dbx * day - dby * dax);
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int i = __builtin_ctz(lanes);
+      const Exact exact(px, py, i);
+      const double largest = largest_of(std::fabs(exact.u), std::fabs(exact.v), std::fabs(exact.w));
+      const double scale = largest > 0.0 ? 1.0 / largest : 1.0;
+      e[0][i] = float(exact.u * scale);
+      e[1][i] = float(exact.v * scale);
+      e[2][i] = float(exact.w * scale);
     }
     u = Float<N>::load(e[0]), v = Float<N>::load(e[1]), w = Float<N>::load(e[2]);
+    det = (u + v) + w;
+  }
+
+  static REGRAFT_INLINE double largest_of(double a, double b, double c) {
+    const double ab = a > b ? a : b;
+    return ab > c ? ab : c;
+  }
+
+  /// Lanes in which cancellation in the edge functions could move the point by more than 2^-20 of
+  /// its distance, or products leave the range of floats. Only lanes of hits count: there the
+  /// corners surround the ray, and extents bound their coordinates.
+  static REGRAFT_INLINE LaneBits ill_conditioned(const Float<N> (&x)[3], const Float<N> (&y)[3],
+                                                 const Float<N> (&z)[3], Float<N> det) {
+    const auto lowest = [](const Float<N>(&p)[3]) { return min(min(p[0], p[1]), p[2]); };
+    const auto highest = [](const Float<N>(&p)[3]) { return max(max(p[0], p[1]), p[2]); };
+    const Float<N> z_lo = lowest(z), z_hi = highest(z), zero(0.0f);
+    const Float<N> distance = max(z_hi, zero - z_lo);
+    const Float<N> noise = ((highest(x) - lowest(x)) * (highest(y) - lowest(y))) * (z_hi - z_lo);
+    const Float<N> least(0x1p-100f);
+    return ~(noise + least < max(det, zero - det) * distance);
+  }
+  REGRAFT_INLINE LaneBits ill_conditioned(const Float<N> (&x)[3], const Float<N> (&y)[3],
+                                          const Float<N> (&z)[3]) const {
+    return ill_conditioned(x, y, z, det);
+  }
+
+  /// u, v, w as weights (their sum, `det`, is 1 then) and t, in double.
+  REGRAFT_INLINE void redo_point(const Float<N> (&x)[3], const Float<N> (&y)[3],
+                                 const Float<N> (&z)[3], Float<N> sz, LaneBits lanes) {
+    alignas(64) float px[3][N], py[3][N], pz[3][N], scale[N], e[5][N];
+    store(x, px), store(y, py), store(z, pz), sz.store(scale);
+    u.store(e[0]), v.store(e[1]), w.store(e[2]), det.store(e[3]), t.store(e[4]);
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int i = __builtin_ctz(lanes);
+      const Exact exact(px, py, i);
+      const double sum = (exact.u + exact.v) + exact.w;
+      e[0][i] = float(exact.u / sum);
+      e[1][i] = float(exact.v / sum);
+      e[2][i] = float(exact.w / sum);
+      e[3][i] = 1.0f;
+      const double depth = (exact.u * pz[0][i] + exact.v * pz[1][i]) + exact.w * pz[2][i];
+      e[4][i] = float(depth / sum * scale[i]);
+    }
+    u = Float<N>::load(e[0]), v = Float<N>::load(e[1]), w = Float<N>::load(e[2]);
+    det = Float<N>::load(e[3]), t = Float<N>::load(e[4]);
   }
 };
 
