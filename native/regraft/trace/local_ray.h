@@ -77,6 +77,7 @@ struct LocalRay : SlabRay {
   int kz;          ///< axis of the largest |direction|
   float t_near;
   float entry;  ///< least t at which a hit may be reported: where the instance's box begins
+  float exit;   ///< and the largest: where it ends
   double t0;
   double scale;
   bool remapped;
@@ -119,8 +120,8 @@ REGRAFT_INLINE bool needs_remap(const LocalFrame& f, const MeshView& mesh) {
   return distance > 64.0 * mesh.radius || !(length < 0x1p100 && length > 0x1p-100);
 }
 
-/// Moves the origin to just before the mesh, in double, and brings the direction's largest
-/// component to [1, 2) by a power of two.
+/// Moves the origin to just before a mesh that is ahead or behind, in double, and brings the
+/// direction's largest component to [1, 2) by a power of two.
 REGRAFT_INLINE void remap(LocalFrame& f, const MeshView& mesh, double& t0, double& scale) {
   double length = 0.0;
   for (int k = 0; k < 3; ++k) length = std::fmax(length, std::fabs(f.direction[k]));
@@ -134,8 +135,9 @@ REGRAFT_INLINE void remap(LocalFrame& f, const MeshView& mesh, double& t0, doubl
     along += (mesh.center[k] - f.origin[k]) * f.direction[k];
     squared += f.direction[k] * f.direction[k];
   }
-  const double start = (along - 2.0 * mesh.radius * std::sqrt(squared)) / squared;
-  const double skip = start > 0.0 ? start : 0.0;
+  const double reach = 2.0 * mesh.radius * std::sqrt(squared);
+  const bool outside = along > reach || along < -reach;
+  const double skip = outside ? (along - reach) / squared : 0.0;
   for (int k = 0; k < 3; ++k) f.origin[k] += skip * f.direction[k];
   t0 = skip * scale;
 }
@@ -172,6 +174,7 @@ REGRAFT_INLINE bool make_local(const WorldRay& world, const SlabRay& top,
   set_shear(ray, direction);
   ray.t_near = world.t_near;
   ray.entry = box.near;
+  ray.exit = box.far;
   return true;
 }
 
@@ -190,8 +193,12 @@ REGRAFT_INLINE float local_start(const LocalRay& ray) {
                         -std::numeric_limits<float>::infinity());
 }
 
+/// The world's t of a hit: never outside the instance's box, whatever the rounding, so neither
+/// the top tree nor an interval that ends at the hit can hide it.
 REGRAFT_INLINE float world_t(const LocalRay& ray, float t) {
-  return ray.remapped ? float(ray.t0 + ray.scale * double(t)) : t;
+  const float world = ray.remapped ? float(ray.t0 + ray.scale * double(t)) : t;
+  const float late = ray.entry > world ? ray.entry : world;
+  return ray.exit < late ? ray.exit : late;
 }
 
 }  // namespace regraft::trace::REGRAFT_SIMD_NAMESPACE

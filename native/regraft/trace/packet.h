@@ -158,6 +158,7 @@ class PacketTracer {
       if (entered == 0) continue;
       const std::uint32_t child = entry.parent->child[entry.slot];
       if (WideChild::is_leaf(child)) {
+        if (child == WideChild::none) continue;
         leaf(*entry.parent, entry.slot, entered);
         continue;
       }
@@ -266,8 +267,9 @@ class PacketTracer {
                  Float<R>::load(local_.inverse[k] + base), near, far);
     }
     const Float<R> start = Float<R>::load(rays_.t_near + base);
-    const Float<R> local_t = max(near, test.t);
-    const Float<R> t = max(Float<R>::load(local_.entry + base), local_t);
+    const Float<R> local_t = min(far, max(near, test.t));
+    const Float<R> t = min(Float<R>::load(local_.exit + base),
+                           max(Float<R>::load(local_.entry + base), local_t));
     lanes &= (near <= far) & (start <= far) & (start <= t) & (t <= Float<R>::load(best_t_ + base));
     if (lanes == 0) return;
     if (AnyHit) {

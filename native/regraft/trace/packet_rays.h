@@ -109,6 +109,7 @@ struct alignas(64) LocalPacket : SlabPacket {
   float origin[3][lanes_all];
   float shear[3][lanes_all];
   float entry[lanes_all];
+  float exit[lanes_all];
   int kz;
 };
 
@@ -128,6 +129,7 @@ REGRAFT_INLINE bool make_local_packet(const RayPacket& rays, const SlabPacket& t
                  Float<R>::load(top.far_origin[k] + base), Float<R>::load(top.inverse[k] + base),
                  near, far);
     near.store(local.entry + base);
+    far.store(local.exit + base);
     const LaneBits lanes = (near <= far) & (Float<R>::load(rays.t_near + base) <= far);
     entered |= std::uint64_t(lanes) << base;
   }
@@ -194,6 +196,7 @@ REGRAFT_INLINE LocalRay extract(const LocalPacket& packet, const RayPacket& rays
   ray.kz = packet.kz;
   ray.t_near = rays.t_near[i];
   ray.entry = packet.entry[i];
+  ray.exit = packet.exit[i];
   ray.t0 = 0.0;
   ray.scale = 1.0;
   ray.remapped = false;

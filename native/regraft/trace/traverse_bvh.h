@@ -69,6 +69,8 @@ REGRAFT_INLINE void walk(const WideNode<W>* nodes, std::uint32_t root, const Sla
     const StackEntry entry = stack[--top];
     if (entry.near > limit()) continue;
     if (WideChild::is_leaf(entry.child)) {
+      // Planes and origins of 1e38 make an interval NaN, which lets even an unused slot pass.
+      if (entry.child == WideChild::none) continue;
       if (leaf(WideChild::begin(entry.child), WideChild::count(entry.child))) return;
       continue;
     }
@@ -132,15 +134,15 @@ REGRAFT_INLINE SlabRay make_top(const TraceView& view, const WorldRay& world) {
   return top;
 }
 
-/// Not NaN, not infinite, and going somewhere.
+/// Not NaN, within the range of floats, and going somewhere.
 REGRAFT_INLINE bool valid(const WorldRay& ray) {
   double length = 0.0;
-  double sum = 0.0;
+  double reach = 0.0;
   for (int k = 0; k < 3; ++k) {
     length += std::fabs(ray.direction[k]);
-    sum += std::fabs(ray.origin[k]) + std::fabs(ray.direction[k]);
+    reach += std::fabs(ray.origin[k]);
   }
-  return length > 0.0 && sum < std::numeric_limits<double>::infinity() && ray.t_near <= ray.t_far;
+  return length > 0.0 && length < 0x1p127 && reach < 0x1p120 && ray.t_near <= ray.t_far;
 }
 
 /// Flat layout: a leaf's primitives may be of several instances; runs of one share a local ray.

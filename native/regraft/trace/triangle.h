@@ -154,8 +154,8 @@ REGRAFT_INLINE void widen_axis(Float<N> near_plane, Float<N> far_plane, Float<N>
 /// `accept(lane, world_t, u, v)` in lane order.
 ///
 /// t is clamped to the triangle's own box: what the tree compares against box intervals then
-/// never lies before the box of any ancestor, whatever the rounding, so no order of traversal
-/// can hide it.
+/// never lies outside the box of any ancestor, whatever the rounding, so no order of traversal
+/// and no interval that ends at the hit can hide it.
 template <int KZ, typename Accept>
 REGRAFT_INLINE void test_triangles(const LocalRay& ray, const MeshView& mesh,
                                    const std::uint32_t* prims, int count, float limit,
@@ -192,7 +192,7 @@ REGRAFT_INLINE void test_triangles(const LocalRay& ray, const MeshView& mesh,
     widen_axis(negative ? hi : lo, negative ? lo : hi, Float4(ray.near_origin[k]),
                Float4(ray.far_origin[k]), Float4(ray.inverse[k]), near, far);
   }
-  const Float4 t = max(near, test.t);
+  const Float4 t = min(far, max(near, test.t));
   lanes &= (near <= far) & (Float4(local_start(ray)) <= far) & (t <= Float4(limit));
   if (lanes == 0) return;
   alignas(16) float ts[4], us[4], vs[4];
@@ -201,8 +201,7 @@ REGRAFT_INLINE void test_triangles(const LocalRay& ray, const MeshView& mesh,
   (test.w / test.det).store(vs);
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
-    const float world = world_t(ray, ts[i]);
-    const float reported = ray.entry > world ? ray.entry : world;
+    const float reported = world_t(ray, ts[i]);
     if (reported >= ray.t_near) accept(i, reported, us[i], vs[i]);
   }
 }
