@@ -42,7 +42,11 @@ TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Policy policy, in
     // The refit has just measured this frame's damage: a tree found worn out is not traced.
     state.wear = wear();
     todo = choose_update(state, policy);
-    if (todo == TreeUpdate::refit) wide_.refit(bvh_, executor);
+    if (todo == TreeUpdate::refit) {
+      wide_.refit(bvh_, executor);
+      measure_extent(mesh);
+      refitted_ = true;
+    }
   }
   if (todo == TreeUpdate::rebuild) {
     build(mesh, width, executor);
@@ -70,7 +74,14 @@ void Blas::build(const Mesh& mesh, int width, Executor& executor) {
   bvh_ = bvh::BinnedSahBuilder::build(boxes, ids, {}, executor);
   wide_ = bvh::WideBvh::derive(bvh_, width, executor);
   now_ = built_ = refit(mesh, executor);
+  measure_extent(mesh);
   exists_ = true;
+  refitted_ = false;
+}
+
+void Blas::measure_extent(const Mesh& mesh) {
+  extent_ = bvh_.bounds();
+  for (const std::uint32_t t : dropped_) extent_.extend(fast_triangle_bounds(mesh, t).aabb());
 }
 
 bvh::RefitResult Blas::refit(const Mesh& mesh, Executor& executor) {
@@ -85,19 +96,19 @@ bool Blas::revived(const Mesh& mesh) const {
 
 trace::MeshView Blas::view(const Mesh& mesh) const {
   trace::MeshView view;
-  const Aabb box = bvh_.bounds();
-  if (box.empty()) return view;
+  if (bvh_.bounds().empty()) return view;
   view.vertices = &mesh.vertices[0].x;
   view.triangles = &mesh.triangles[0].x;
   view.nodes = wide_.width() == 8 ? static_cast<const void*>(wide_.nodes<8>())
                                   : static_cast<const void*>(wide_.nodes<4>());
   view.prim_ids = bvh_.prim_ids.data();
   view.prim_count = std::uint32_t(bvh_.prim_ids.size());
-  view.magnitude = box.magnitude();
-  const Vec3d center = 0.5 * (Vec3d(box.lo) + Vec3d(box.hi));
+  view.magnitude = extent_.magnitude();
+  const Vec3d center = 0.5 * (Vec3d(extent_.lo) + Vec3d(extent_.hi));
   for (int k = 0; k < 3; ++k) view.center[k] = center[k];
-  const Vec3d half = 0.5 * box.extents();
+  const Vec3d half = 0.5 * extent_.extents();
   view.radius = std::sqrt(half.x * half.x + half.y * half.y + half.z * half.z);
+  view.refitted = refitted_;
   return view;
 }
 

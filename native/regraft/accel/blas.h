@@ -47,6 +47,7 @@ class Blas {
   void build(const Mesh& mesh, int width, Executor& executor);
   bvh::RefitResult refit(const Mesh& mesh, Executor& executor);
   bool revived(const Mesh& mesh) const;
+  void measure_extent(const Mesh& mesh);
 
   bvh::Bvh bvh_;
   bvh::WideBvh wide_;
@@ -55,7 +56,11 @@ class Blas {
   std::uint32_t zero_area_ = 0;
   bvh::RefitResult now_;
   bvh::RefitResult built_;
+  /// Box of all finite triangles, even those left out: it depends on the mesh alone, not on when
+  /// the tree was built, and so does what is decided by it.
+  Aabb extent_;
   bool exists_ = false;
+  bool refitted_ = false;
 };
 
 }  // namespace regraft::accel

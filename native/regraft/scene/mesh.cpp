@@ -112,9 +112,11 @@ Aabb triangle_bounds(const Mesh& mesh, std::uint32_t t) {
 
 bool is_degenerate(const Mesh& mesh, std::uint32_t t) {
   const Triangle& corners = mesh.triangles[t];
-  const Vec3& a = mesh.vertices[corners.x];
-  const Vec3& b = mesh.vertices[corners.y];
-  const Vec3& c = mesh.vertices[corners.z];
+  return is_degenerate(mesh.vertices[corners.x], mesh.vertices[corners.y],
+                       mesh.vertices[corners.z]);
+}
+
+bool is_degenerate(const Vec3& a, const Vec3& b, const Vec3& c) {
   if (!finite(a) || !finite(b) || !finite(c)) return true;
   return collinear(a.x, a.y, b.x, b.y, c.x, c.y) && collinear(a.y, a.z, b.y, b.z, c.y, c.z) &&
          collinear(a.z, a.x, b.z, b.x, c.z, c.x);

@@ -53,5 +53,6 @@ Aabb triangle_bounds(const Mesh& mesh, std::uint32_t t);
 /// True if the triangle cannot be hit whatever the ray: a vertex is not finite or the exact
 /// cross product of its edges is zero (numerics rule N8).
 bool is_degenerate(const Mesh& mesh, std::uint32_t t);
+bool is_degenerate(const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace regraft

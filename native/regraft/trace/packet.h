@@ -271,7 +271,7 @@ class PacketTracer {
     const Float<R> t = min(Float<R>::load(local_.exit + base),
                            max(Float<R>::load(local_.entry + base), local_t));
     lanes &= (near <= far) & (start <= far) & (start <= t) & (t <= Float<R>::load(best_t_ + base));
-    if (lanes == 0) return;
+    if (lanes == 0 || lacks_area(instance.mesh, prim)) return;
     if (AnyHit) {
       occlude(std::uint64_t(lanes) << base);
       return;

@@ -14,7 +14,11 @@ struct MeshView {
   float magnitude = 0.0f;  ///< largest |coordinate| of the root's box
   double center[3]{};      ///< of the root's box
   double radius = 0.0;     ///< half its diagonal
+  bool refitted = false;   ///< triangles may have lost their area since the tree was built
 };
+
+/// False if all corners of a triangle lie on one line, exactly.
+bool has_area(const MeshView& mesh, std::uint32_t prim);
 
 /// A mesh placed in the world.
 struct InstanceView {

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "regraft/scene/mesh.h"
 #include "regraft/trace/kernels.h"
 
 namespace regraft::trace {
@@ -25,6 +26,15 @@ const Kernels& kernels(simd::Isa isa) {
     default:
       return kernels_scalar;
   }
+}
+
+bool has_area(const MeshView& mesh, std::uint32_t prim) {
+  Vec3 corner[3];
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float* p = mesh.vertices + 3 * std::size_t(mesh.triangles[3 * std::size_t(prim) + c]);
+    corner[c] = {p[0], p[1], p[2]};
+  }
+  return !is_degenerate(corner[0], corner[1], corner[2]);
 }
 
 Tracer::Tracer(const TraceView& view, simd::Isa isa) : view_(&view), kernels_(&kernels(isa)) {}

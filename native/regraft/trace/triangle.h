@@ -150,6 +150,12 @@ REGRAFT_INLINE void widen_axis(Float<N> near_plane, Float<N> far_plane, Float<N>
   far = min((far_plane - far_origin) * inverse, far);
 }
 
+/// True for a triangle that a refitted tree still holds although its area has become zero.
+/// Rounding may find a hit on it; a tree built anew would not have it.
+REGRAFT_INLINE bool lacks_area(const MeshView& mesh, std::uint32_t prim) {
+  return mesh.refitted && !has_area(mesh, prim);
+}
+
 /// Tests `count` (1–4) triangles of a mesh against a ray; for each hit calls
 /// `accept(lane, world_t, u, v)` in lane order.
 ///
@@ -202,7 +208,8 @@ REGRAFT_INLINE void test_triangles(const LocalRay& ray, const MeshView& mesh,
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
     const float reported = world_t(ray, ts[i]);
-    if (reported >= ray.t_near) accept(i, reported, us[i], vs[i]);
+    if (reported < ray.t_near || lacks_area(mesh, prims[i])) continue;
+    accept(i, reported, us[i], vs[i]);
   }
 }
 
