@@ -145,7 +145,7 @@ void InstanceSet::place(const Scene& scene, std::size_t i) {
   view.mesh = blas.view(mesh(scene, i));
   set_inverse(view, object_to_world);
   frames_[i] = relative(object_to_world, origin_);
-  const Aabb box = transform_bounds(frames_[i], blas.bounds());
+  const Aabb box = transform_bounds(frames_[i], blas.bounds(), view.mesh.magnitude);
   for (int k = 0; k < 3; ++k) {
     view.lo[k] = box.lo[k];
     view.hi[k] = box.hi[k];

@@ -84,7 +84,9 @@ enum class Placement : std::uint8_t {
 Placement classify(const Mat4d& object_to_world);
 
 /// World box of an object box, rounded outward and widened by 2 ulp of its largest coordinate
-/// (N4); `m` is double and relative to the scene's origin.
-Aabb transform_bounds(const Mat4d& m, const Aabb& box);
+/// (N4); `m` is double and relative to the scene's origin. Rays are rounded to float in object
+/// space: the box also holds what lies off by as much as that costs where coordinates are as large
+/// as `magnitude`, the mesh's largest.
+Aabb transform_bounds(const Mat4d& m, const Aabb& box, float magnitude);
 
 }  // namespace regraft::accel

@@ -13,6 +13,9 @@ namespace {
 /// Condition number above which an inverse loses too much (N6).
 constexpr double bake_condition = 1e6;
 
+/// As much of a mesh's largest coordinate as kernels widen boxes by in object space.
+constexpr double object_slack = 0x1p-19;
+
 bool all_finite(const Mat4d& m) {
   for (int c = 0; c < 4; ++c)
     for (int r = 0; r < 3; ++r)
@@ -63,10 +66,10 @@ Placement classify(const Mat4d& object_to_world) {
   return has_area ? Placement::bake : Placement::no_area;
 }
 
-Aabb transform_bounds(const Mat4d& m, const Aabb& box) {
+Aabb transform_bounds(const Mat4d& m, const Aabb& box, float magnitude) {
   if (box.empty()) return {};
   const Vec3d center = 0.5 * (Vec3d(box.lo) + Vec3d(box.hi));
-  const Vec3d half = 0.5 * box.extents();
+  const Vec3d half = 0.5 * box.extents() + object_slack * double(magnitude);
   Aabb result;
   double largest = 0.0;
   Vec3d lo, hi;

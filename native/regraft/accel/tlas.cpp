@@ -15,7 +15,7 @@ Aabb flat_bounds(const Scene& scene, const InstanceSet& instances, const trace::
       fast_triangle_bounds(instances.mesh(scene, prim.instance), prim.prim_id).aabb();
   const trace::InstanceView& view = instances.views()[prim.instance];
   if (view.identity && instances.origin() == Vec3d(0.0)) return local;
-  return transform_bounds(instances.frame(prim.instance), local);
+  return transform_bounds(instances.frame(prim.instance), local, view.mesh.magnitude);
 }
 
 }  // namespace
