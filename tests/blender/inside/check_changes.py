@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from harness import add, grid, heights, mesh, native, part, reads, render, run
+from harness import add, grid, heights, mesh, native, paint, part, reads, render, run
 
 WORDS = "objects unchanged: not read"
 
@@ -269,30 +269,26 @@ def check_materials_are_read_when_they_change() -> None:
         return tuple(round(c, 3) for c in materials._looks[row].base_color)
 
     data = mesh("square")
-    paint = bpy.data.materials.new("paint")
-    data.materials.append(paint)
+    first = paint("paint", (0, 1, 0, 1))
+    data.materials.append(first)
     ob = add("square", data)
-    paint.diffuse_color = (0, 1, 0, 1)
-    paint.keyframe_insert("diffuse_color", frame=1)
-    paint.diffuse_color = (1, 0, 0, 1)
-    paint.keyframe_insert("diffuse_color", frame=3)
-    if bpy.app.version >= (5, 0, 0):
-        # Every material has nodes there; without an output the viewport colour counts.
-        paint.node_tree.nodes.clear()
+    for frame, colour in ((1, (0, 1, 0, 1)), (3, (1, 0, 0, 1))):
+        first.diffuse_color = colour
+        first.keyframe_insert("diffuse_color", frame=frame)
     render(1)
     assert base("paint") == (0, 1, 0, 1)
     statistics = render(3)
     assert base("paint") == (1, 0, 0, 1)
     assert reads().read == 0
     assert statistics["nodes_refitted"] == 0
-    other = bpy.data.materials.new("other")
+    other = paint("other", (0, 0, 1, 1))
     ob.material_slots[0].link = "OBJECT"
     ob.material_slots[0].material = other
     render(3)
     (kept,) = part("session")._sessions.values()
     objects = kept._reader.objects
-    rows = objects.table if hasattr(objects, "table") else kept._reader.table
-    (used,) = {objects.material_sets[index] for index in rows.rows.materials.tolist()}
+    rows = kept._reader.table.rows
+    (used,) = {objects.material_sets[index] for index in rows.materials.tolist()}
     assert used == (objects.materials._rows[other.as_pointer()],)
 
 

@@ -6,7 +6,7 @@ import math
 
 import bpy
 import numpy as np
-from harness import add, grid, heights, mesh, native, part, planes, render, run
+from harness import add, grid, heights, mesh, native, paint, part, planes, render, run
 from mathutils import Matrix
 
 
@@ -148,13 +148,10 @@ def check_geometry_made_by_nodes_arrives_with_its_materials() -> None:
     tree = instancing_nodes(depth=1)
     place = next(n for n in tree.nodes if n.type == "INSTANCE_ON_POINTS")
     out = next(n for n in tree.nodes if n.type == "GROUP_OUTPUT")
-    paint = tree.nodes.new("GeometryNodeSetMaterial")
-    red = bpy.data.materials.new("red")
-    red.use_nodes = False
-    red.diffuse_color, red.roughness = (1, 0, 0, 1), 1.0
-    paint.inputs["Material"].default_value = red
-    tree.links.new(place.outputs["Instances"], paint.inputs["Geometry"])
-    tree.links.new(paint.outputs["Geometry"], out.inputs[0])
+    brush = tree.nodes.new("GeometryNodeSetMaterial")
+    brush.inputs["Material"].default_value = paint("red", (1, 0, 0, 1))
+    tree.links.new(place.outputs["Instances"], brush.inputs["Geometry"])
+    tree.links.new(brush.outputs["Geometry"], out.inputs[0])
     add("points", grid("grid", 1)).modifiers.new("nodes", "NODES").node_group = tree
     bpy.context.scene.regraft.shading = "direct"
     bpy.context.scene.camera.location = (0, 0, 0.5)

@@ -32,7 +32,7 @@ def run(names: dict[str, Any]) -> None:
         blank()
         try:
             check()
-        except Exception:
+        except Exception:  # noqa: BLE001 - whatever it is, the other checks run as well
             failed.append(name)
             print(f"FAILED {name}\n{traceback.format_exc()}", flush=True)
     if failed:
@@ -68,6 +68,15 @@ def mesh(name: str, vertices: Any = SQUARE, faces: Any = ((0, 1, 2, 3),)) -> bpy
     data = bpy.data.meshes.new(name)
     data.from_pydata([tuple(v) for v in vertices], [], [tuple(f) for f in faces])
     return data
+
+
+def paint(name: str, colour: tuple[float, float, float, float]) -> bpy.types.Material:
+    """A rough material that is its viewport colour, in every version."""
+    material = bpy.data.materials.new(name)
+    material.diffuse_color, material.roughness = colour, 1.0
+    if material.node_tree is not None:
+        material.node_tree.nodes.clear()
+    return material
 
 
 def grid(name: str, side: int) -> bpy.types.Mesh:
