@@ -150,8 +150,11 @@ def check_fans_part_corners_as_blenders_split_normals_do() -> None:
                 by_normal.setdefault((vertex, rounded), set()).add(number)
     assert all(len(kinds) == 1 for kinds in by_fan.values())
     assert all(len(kinds) == 1 for kinds in by_normal.values())
-    flat = {t.polygon_index for t in shown.loop_triangles if not shown.polygons[
-        t.polygon_index].use_smooth}
+    flat = {
+        t.polygon_index
+        for t in shown.loop_triangles
+        if not shown.polygons[t.polygon_index].use_smooth
+    }
     marked = {
         t.polygon_index
         for t, ids in zip(shown.loop_triangles, got.normal_ids.tolist(), strict=True)
