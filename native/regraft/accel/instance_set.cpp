@@ -14,9 +14,35 @@ std::string label(const Scene& scene, std::uint32_t instance) {
   return "instance " + std::to_string(instance) + (name.empty() ? "" : " '" + name + "'");
 }
 
-bool can_be_hit(const Scene& scene, std::span<const Blas> blases, const Instance& instance) {
+bool can_be_hit(const Scene& scene, std::span<const Blas> blases, std::uint32_t id) {
+  const Instance& instance = scene.instances()[id];
   return instance.alive && instance.visible && instance.mesh < blases.size() &&
          scene.meshes()[instance.mesh].alive && !blases[instance.mesh].bounds().empty();
+}
+
+Placement placement(const Scene& scene, std::span<const Blas> blases, std::uint32_t id) {
+  const Instance& instance = scene.instances()[id];
+  return classify(instance.object_to_world, blases[instance.mesh].bounds());
+}
+
+/// Why an instance is left out, or null.
+const char* complaint(Placement placement) {
+  switch (placement) {
+    case Placement::not_finite:
+      return "its matrix is not finite";
+    case Placement::too_large:
+      return "beyond the range of floats";
+    case Placement::no_area:
+      return "scaled to a line or a point";
+    case Placement::direct:
+    case Placement::bake:
+      break;
+  }
+  return nullptr;
+}
+
+bool can_be_placed(const Scene& scene, std::span<const Blas> blases, std::uint32_t id) {
+  return can_be_hit(scene, blases, id) && complaint(placement(scene, blases, id)) == nullptr;
 }
 
 bool is_identity(const double (&m)[12]) {
@@ -38,21 +64,17 @@ Mat4d relative(Mat4d m, const Vec3d& origin) {
 
 }  // namespace
 
-bool InstanceSet::may_have_changed(const Scene& scene, std::span<const Blas> blases,
-                                   const ChangeSet& changes,
-                                   std::span<const std::uint8_t> changed_meshes) const {
-  if (changes.instance_set_changed || mesh_was_empty_.size() != blases.size()) return true;
-  for (std::size_t m = 0; m < changed_meshes.size(); ++m)
-    if (changed_meshes[m] != 0 && (mesh_was_empty_[m] != 0) != blases[m].bounds().empty())
+/// True if another set of instances can be met than at the last update. `affected[i]`: the matrix
+/// or the mesh of instance i changed.
+bool InstanceSet::has_changed(const Scene& scene, std::span<const Blas> blases,
+                              const ChangeSet& changes,
+                              std::span<const std::uint8_t> affected) const {
+  if (changes.instance_set_changed) return true;
+  for (std::uint32_t id = 0; id < affected.size(); ++id)
+    if (affected[id] != 0 &&
+        can_be_placed(scene, blases, id) != std::binary_search(ids_.begin(), ids_.end(), id))
       return true;
-  return std::any_of(
-      changes.moved_instances.begin(), changes.moved_instances.end(), [&](std::uint32_t id) {
-        const Instance& instance = scene.instances()[id];
-        const Placement p = classify(instance.object_to_world);
-        const bool wanted =
-            can_be_hit(scene, blases, instance) && (p == Placement::direct || p == Placement::bake);
-        return wanted != std::binary_search(ids_.begin(), ids_.end(), id);
-      });
+  return false;
 }
 
 void InstanceSet::note_bounds(const Aabb& top) {
@@ -65,18 +87,13 @@ bool InstanceSet::collect(const Scene& scene, std::span<const Blas> blases) {
   std::vector<std::uint32_t> ids;
   warnings_.clear();
   for (std::uint32_t i = 0; i < scene.instances().size(); ++i) {
-    const Instance& instance = scene.instances()[i];
-    if (!can_be_hit(scene, blases, instance)) continue;
-    const Placement placement = classify(instance.object_to_world);
-    if (placement == Placement::not_finite)
-      warnings_.push_back(label(scene, i) + ": its matrix is not finite; left out");
-    else if (placement == Placement::no_area)
-      warnings_.push_back(label(scene, i) + ": scaled to a line or a point; left out");
-    else
+    if (!can_be_hit(scene, blases, i)) continue;
+    const char* problem = complaint(placement(scene, blases, i));
+    if (problem == nullptr)
       ids.push_back(i);
+    else
+      warnings_.push_back(label(scene, i) + ": " + problem + "; left out");
   }
-  mesh_was_empty_.resize(blases.size());
-  for (std::size_t m = 0; m < blases.size(); ++m) mesh_was_empty_[m] = blases[m].bounds().empty();
   if (ids == ids_) return false;
   ids_ = std::move(ids);
   views_.assign(ids_.size(), {});
@@ -168,6 +185,7 @@ void InstanceSet::bake(const Scene& scene, std::size_t i, bool topology_changed,
   const TreeWork done = slot->blas.update(slot->mesh, topology_changed, policy, width, executor);
   work.nodes_refitted += done.nodes_refitted;
   work.nodes_rebuilt += done.nodes_rebuilt;
+  work.done = std::max(work.done, done.done);
 }
 
 InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Blas> blases,
@@ -175,10 +193,13 @@ InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Bla
                                          std::span<const std::uint8_t> changed_meshes,
                                          Policy policy, int width, Executor& executor) {
   Changes result;
-  std::vector<std::uint8_t> moved(scene.instances().size(), 0);
-  for (const std::uint32_t id : changes.moved_instances) moved[id] = 1;
-  if (may_have_changed(scene, blases, changes, changed_meshes))
-    result.set_changed = collect(scene, blases);
+  std::vector<std::uint8_t> affected(scene.instances().size(), 0);
+  for (const std::uint32_t id : changes.moved_instances) affected[id] = 1;
+  for (std::uint32_t id = 0; id < affected.size(); ++id) {
+    const Instance& instance = scene.instances()[id];
+    if (instance.alive && changed_meshes[instance.mesh] != 0) affected[id] = 1;
+  }
+  if (has_changed(scene, blases, changes, affected)) result.set_changed = collect(scene, blases);
   if ((result.set_changed || wandered_) && choose_origin(scene, blases, executor))
     result.set_changed = true;
   const auto unbaked = std::erase_if(baked_, [&](const auto& item) {
@@ -187,16 +208,12 @@ InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Bla
   });
   result.set_changed |= unbaked != 0;
   std::vector<std::size_t> stale;
-  for (std::size_t i = 0; i < ids_.size(); ++i) {
-    const std::uint32_t mesh_id = scene.instances()[ids_[i]].mesh;
-    if (result.set_changed || moved[ids_[i]] != 0 || changed_meshes[mesh_id] != 0)
-      stale.push_back(i);
-  }
+  for (std::size_t i = 0; i < ids_.size(); ++i)
+    if (result.set_changed || affected[ids_[i]] != 0) stale.push_back(i);
   for (const std::size_t i : stale) {
     const Instance& instance = scene.instances()[ids_[i]];
     const bool known = baked_.contains(ids_[i]);
-    if (classify(instance.object_to_world) == Placement::bake &&
-        (!known || moved[ids_[i]] != 0 || changed_meshes[instance.mesh] != 0))
+    if (classify(instance.object_to_world) == Placement::bake && (!known || affected[ids_[i]] != 0))
       bake(scene, i, !known, policy, width, executor, result.baked);
     result.set_changed |= known != baked_.contains(ids_[i]);
   }

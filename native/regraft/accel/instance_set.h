@@ -23,7 +23,8 @@ class InstanceSet {
   struct Changes {
     bool set_changed = false;  ///< other instances than before, or another origin
     std::uint64_t moved = 0;   ///< instances whose box or matrix was recomputed
-    TreeWork baked;            ///< work on trees of baked instances
+    /// Work on trees of baked instances; `done` is the most that was done to any of them.
+    TreeWork baked;
   };
 
   /// `blases` by mesh id, up to date. `changed_meshes[m]`: mesh m's geometry changed.
@@ -54,8 +55,8 @@ class InstanceSet {
     Vec3d center{0.0};
   };
 
-  bool may_have_changed(const Scene& scene, std::span<const Blas> blases, const ChangeSet& changes,
-                        std::span<const std::uint8_t> changed_meshes) const;
+  bool has_changed(const Scene& scene, std::span<const Blas> blases, const ChangeSet& changes,
+                   std::span<const std::uint8_t> affected) const;
   bool collect(const Scene& scene, std::span<const Blas> blases);
   bool choose_origin(const Scene& scene, std::span<const Blas> blases, Executor& executor);
   void place(const Scene& scene, std::size_t i);
@@ -69,19 +70,21 @@ class InstanceSet {
   const Blas* blases_ = nullptr;  ///< where the scene's trees were at the last update
   std::map<std::uint32_t, std::unique_ptr<Baked>> baked_;
   std::vector<std::string> warnings_;
-  std::vector<std::uint8_t> mesh_was_empty_;
   Vec3d origin_{0.0};
   bool wandered_ = false;
 };
 
 /// How a matrix can be used to place a mesh.
 enum class Placement : std::uint8_t {
-  direct,     ///< invert it
-  bake,       ///< flat or badly conditioned: transform the vertices
-  no_area,    ///< rank ≤ 1: nothing can be hit
-  not_finite  ///< NaN, infinite, or overflowing
+  direct,      ///< invert it
+  bake,        ///< flat or badly conditioned: transform the vertices
+  no_area,     ///< rank ≤ 1: nothing can be hit
+  not_finite,  ///< NaN or infinite
+  too_large    ///< takes the mesh beyond the range of floats
 };
 Placement classify(const Mat4d& object_to_world);
+/// The same for a mesh with this box.
+Placement classify(const Mat4d& object_to_world, const Aabb& box);
 
 /// World box of an object box, rounded outward and widened by 2 ulp of its largest coordinate
 /// (N4); `m` is double and relative to the scene's origin. Rays are rounded to float in object

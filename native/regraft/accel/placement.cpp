@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
 
@@ -15,6 +16,9 @@ constexpr double bake_condition = 1e6;
 
 /// As much of a mesh's largest coordinate as kernels widen boxes by in object space.
 constexpr double object_slack = 0x1p-19;
+
+/// World coordinates from here on leave no room below the largest float for sums and slacks.
+constexpr double largest_reach = 0x1p120;
 
 bool all_finite(const Mat4d& m) {
   for (int c = 0; c < 4; ++c)
@@ -64,6 +68,18 @@ Placement classify(const Mat4d& object_to_world) {
     return n.x != 0.0 || n.y != 0.0 || n.z != 0.0;
   });
   return has_area ? Placement::bake : Placement::no_area;
+}
+
+Placement classify(const Mat4d& object_to_world, const Aabb& box) {
+  const Placement placement = classify(object_to_world);
+  if (placement == Placement::not_finite || box.empty()) return placement;
+  const Vec3d largest = glm::max(glm::abs(Vec3d(box.lo)), glm::abs(Vec3d(box.hi)));
+  for (int r = 0; r < 3; ++r) {
+    double reach = std::fabs(object_to_world[3][r]);
+    for (int c = 0; c < 3; ++c) reach += std::fabs(object_to_world[c][r]) * largest[c];
+    if (!(reach < largest_reach)) return Placement::too_large;
+  }
+  return placement;
 }
 
 Aabb transform_bounds(const Mat4d& m, const Aabb& box, float magnitude) {
