@@ -1,6 +1,7 @@
 #include "regraft/accel/blas.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "regraft/accel/triangle_bounds.h"
 #include "regraft/bvh/binned_sah_builder.h"
@@ -44,7 +45,6 @@ TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Policy policy, in
     todo = choose_update(state, policy);
     if (todo == TreeUpdate::refit) {
       wide_.refit(bvh_, executor);
-      measure_extent(mesh);
       refitted_ = true;
     }
   }
@@ -62,31 +62,29 @@ void Blas::build(const Mesh& mesh, int width, Executor& executor) {
   std::vector<std::uint32_t> ids;
   ids.reserve(boxes.size());
   dropped_.clear();
-  non_finite_ = zero_area_ = 0;
-  for (std::uint32_t t = 0; t < boxes.size(); ++t) {
-    if (degenerate[t] == 0) {
-      ids.push_back(t);
-      continue;
-    }
-    dropped_.push_back(t);
-    ++(boxes[t].empty() ? non_finite_ : zero_area_);
-  }
+  for (std::uint32_t t = 0; t < boxes.size(); ++t)
+    (degenerate[t] == 0 ? ids : dropped_).push_back(t);
   bvh_ = bvh::BinnedSahBuilder::build(boxes, ids, {}, executor);
   wide_ = bvh::WideBvh::derive(bvh_, width, executor);
   now_ = built_ = refit(mesh, executor);
-  measure_extent(mesh);
   exists_ = true;
   refitted_ = false;
 }
 
-void Blas::measure_extent(const Mesh& mesh) {
-  extent_ = bvh_.bounds();
-  for (const std::uint32_t t : dropped_) extent_.extend(fast_triangle_bounds(mesh, t).aabb());
-}
-
 bvh::RefitResult Blas::refit(const Mesh& mesh, Executor& executor) {
-  const auto bounds = [&](std::uint32_t t) { return fast_triangle_bounds(mesh, t); };
-  return bvh::refit(bvh_, bounds, executor);
+  std::atomic<std::uint32_t> lost{0};
+  const auto count_lost = [&] { lost.fetch_add(1, std::memory_order_relaxed); };
+  const auto bounds = [&](std::uint32_t t) { return fast_triangle_bounds(mesh, t, count_lost); };
+  const bvh::RefitResult result = bvh::refit(bvh_, bounds, executor);
+  extent_ = bvh_.bounds();
+  non_finite_ = lost;
+  zero_area_ = 0;
+  for (const std::uint32_t t : dropped_) {
+    const Aabb box = fast_triangle_bounds(mesh, t).aabb();
+    extent_.extend(box);
+    ++(box.empty() ? non_finite_ : zero_area_);
+  }
+  return result;
 }
 
 bool Blas::revived(const Mesh& mesh) const {

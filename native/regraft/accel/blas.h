@@ -35,7 +35,7 @@ class Blas {
   Aabb bounds() const { return bvh_.bounds(); }
   double sah_cost() const { return now_.sah_cost; }
   double wear() const { return now_.wear(built_); }
-  /// Triangles left out of the tree: not finite, and of zero area.
+  /// Triangles no ray can meet: not finite, and of zero area when the tree was built.
   std::uint32_t non_finite() const { return non_finite_; }
   std::uint32_t zero_area() const { return zero_area_; }
 
@@ -47,7 +47,6 @@ class Blas {
   void build(const Mesh& mesh, int width, Executor& executor);
   bvh::RefitResult refit(const Mesh& mesh, Executor& executor);
   bool revived(const Mesh& mesh) const;
-  void measure_extent(const Mesh& mesh);
 
   bvh::Bvh bvh_;
   bvh::WideBvh wide_;
