@@ -44,6 +44,12 @@ void Accelerator::State::note(const ChangeSet& changes, std::size_t mesh_count) 
   for (const std::uint32_t id : changes.deformed_meshes) mark(id, Pending::deformed);
 }
 
+/// Every tree's wide layout is of another width than asked for.
+void Accelerator::State::renew_trees() {
+  for (std::size_t id = 0; id < blases.size(); ++id)
+    if (blases[id].exists()) pending[id] = Pending::topology;
+}
+
 std::vector<std::uint8_t> Accelerator::State::seen_meshes(const Scene& scene) const {
   std::vector<std::uint8_t> seen(scene.meshes().size(), 0);
   for (const Instance& instance : scene.instances())
@@ -139,6 +145,7 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   if (changes.empty() && options.layout == state.last_options.layout && width == state.last_width)
     return state.unchanged(options);
   state.note(changes, scene.meshes().size());
+  if (width != state.last_width) state.renew_trees();
   const std::vector<std::uint8_t> seen = state.seen_meshes(scene);
   std::vector<std::uint32_t> todo;
   std::size_t hidden = 0;
@@ -160,7 +167,8 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   const InstanceSet::Changes placed = state.instances.update(scene, state.blases, changes, changed,
                                                              options.policy, width, executor);
   bool primitives_changed = placed.set_changed;
-  if (options.layout == Layout::flat) primitives_changed |= meshes.nodes_rebuilt != 0;
+  if (options.layout == Layout::flat)
+    primitives_changed |= meshes.nodes_rebuilt != 0 || placed.baked.done == TreeUpdate::rebuild;
   const TreeWork top = state.tlas.update(scene, state.instances, options.layout, primitives_changed,
                                          placed.moved != 0, options.policy, width, executor);
   state.instances.note_bounds(state.tlas.bounds());
@@ -176,7 +184,7 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   s.moved_instances = changes.moved_instances.size();
   s.nodes_refitted = meshes.nodes_refitted + placed.baked.nodes_refitted + top.nodes_refitted;
   s.nodes_rebuilt = meshes.nodes_rebuilt + placed.baked.nodes_rebuilt + top.nodes_rebuilt;
-  if (!todo.empty()) state.warn_of_dropped(scene);
+  if (!todo.empty() || !changes.removed_meshes.empty()) state.warn_of_dropped(scene);
   s.warnings = state.mesh_warnings;
   s.warnings.insert(s.warnings.end(), state.instances.warnings().begin(),
                     state.instances.warnings().end());

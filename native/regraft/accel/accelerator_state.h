@@ -33,6 +33,7 @@ struct Accelerator::State {
 
   void note(const ChangeSet& changes, std::size_t mesh_count);
   void mark(std::uint32_t mesh, Pending what);
+  void renew_trees();
   std::vector<std::uint8_t> seen_meshes(const Scene& scene) const;
   TreeWork update_meshes(const Scene& scene, std::span<const std::uint32_t> todo, Policy policy,
                          int width, Executor& executor);

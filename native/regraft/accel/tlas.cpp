@@ -1,5 +1,7 @@
 #include "regraft/accel/tlas.h"
 
+#include <algorithm>
+
 #include "regraft/accel/triangle_bounds.h"
 #include "regraft/bvh/binned_sah_builder.h"
 #include "regraft/bvh/validate.h"
@@ -61,6 +63,7 @@ TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances, Layout l
     now_ = refit(executor);
     work.nodes_refitted = now_.nodes;
     state.wear = now_.wear(built_);
+    state.topology_changed = !holds_all();
     work.done = choose_update(state, policy);
     if (work.done == TreeUpdate::refit) wide_.refit(bvh_, executor);
   }
@@ -78,6 +81,14 @@ TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances, Layout l
     exists_ = true;
   }
   return work;
+}
+
+/// False if something that had no box when the tree was built, and so is not in it, has one now.
+bool Tlas::holds_all() const {
+  if (ids_.size() == boxes_.size()) return true;
+  for (std::uint32_t i = 0; i < boxes_.size(); ++i)
+    if (!boxes_[i].empty() && !std::binary_search(ids_.begin(), ids_.end(), i)) return false;
+  return true;
 }
 
 bvh::RefitResult Tlas::refit(Executor& executor) {

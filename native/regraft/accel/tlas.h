@@ -34,6 +34,7 @@ class Tlas {
 
  private:
   bvh::RefitResult refit(Executor& executor);
+  bool holds_all() const;
   void measure(const Scene& scene, const InstanceSet& instances, Executor& executor);
   void collect_primitives(const Scene& scene, const InstanceSet& instances, Executor& executor);
   double cost_through(const InstanceSet& instances, bool unworn) const;
@@ -43,6 +44,7 @@ class Tlas {
   bvh::WideBvh wide_;
   std::vector<Aabb> boxes_;
   std::vector<trace::FlatPrim> flat_;
+  /// Those with a box, ascending: they are in the tree.
   std::vector<std::uint32_t> ids_;
   bvh::RefitResult now_;
   bvh::RefitResult built_;
