@@ -68,7 +68,7 @@ def test_trees_change_no_bit_of_a_hit(layout: str) -> None:
     scene, _ = crowd()
     scene.update(layout=layout)
     random = rays(np.random.default_rng(14), 2000)
-    aimed = np.zeros((2000, 3)) + [0.1, 0.2, 3], np.random.default_rng(15).normal(0, 1, (2000, 3))
+    aimed = np.tile([[0.1, 0.2, 3.0]], (2000, 1)), np.random.default_rng(15).normal(size=(2000, 3))
     for batch in (random, aimed):
         got, want = scene.closest_hit(*batch), scene.closest_hit_brute_force(*batch)
         for name in FIELDS:
