@@ -29,11 +29,18 @@ void add_weighted(const FloatLanes& weight, const Vec3Lanes& color, Vec3Lanes& s
   }
 }
 
+/// Share of the world's light that reaches a surface: more from above than from below, and never
+/// all of it, as no ray asks what is in its way. Also, an unlit white surface would else be of
+/// exactly the background's colour.
+float ambient_share(float normal_z) {
+  return 0.55f + 0.25f * normal_z;
+}
+
 /// What surfaces send out without any light: their own, and what they scatter of the world's.
-void start_radiance(const MaterialLanes& m, const FloatLanes& mirrored, const Vec3& world,
-                    Vec3Lanes& out) {
+void start_radiance(const MaterialLanes& m, const FloatLanes& normal_z, const FloatLanes& mirrored,
+                    const Vec3& world, Vec3Lanes& out) {
   for (std::uint32_t i = 0; i < lane_count; ++i) {
-    const float scattered = 1.0f - mirrored[i];
+    const float scattered = ambient_share(normal_z[i]) * (1.0f - mirrored[i]);
     out.x[i] = m.emission.x[i] + m.base.x[i] * (world.x * scattered);
     out.y[i] = m.emission.y[i] + m.base.y[i] * (world.y * scattered);
     out.z[i] = m.emission.z[i] + m.base.z[i] * (world.z * scattered);
@@ -121,7 +128,7 @@ void TileShader::shade(const SurfaceLanes& surface, const MaterialLanes& materia
     mirrored.fill(0.0f);
   ReflectanceLanes reflectance;
   prepare_reflectance(surface, material, mirrored, reflectance);
-  start_radiance(material, mirrored, picture_.world, radiance);
+  start_radiance(material, surface.normal.z, mirrored, picture_.world, radiance);
   add_lights(surface, reflectance, mirrors, radiance);
   if (mirrors) add_mirror(surface, material, mirrored, radiance);
 }
