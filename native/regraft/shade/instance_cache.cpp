@@ -24,7 +24,8 @@ void set_transform(ShadedInstance& entry, const Mat4d& object_to_world) {
   entry.translation_size = float(translation);
 }
 
-/// Cofactors in double; scaled, because float would lose very large or small ones.
+/// Cofactors in double; scaled, because float would lose very large or small ones, and with the
+/// determinant's sign, so that a mirrored instance's normals stay on the side they were on.
 void set_cofactors(ShadedInstance& entry) {
   const auto& m = entry.rotation;
   double cofactor[3][3];
@@ -37,9 +38,24 @@ void set_cofactors(ShadedInstance& entry) {
       largest = std::max(largest, std::fabs(cofactor[i][j]));
     }
   }
-  const double scale = largest > 0.0 ? 1.0 / largest : 0.0;
+  const double determinant =
+      m[0][0] * cofactor[0][0] + m[0][1] * cofactor[0][1] + m[0][2] * cofactor[0][2];
+  const double sign = determinant < 0.0 ? -1.0 : 1.0;
+  const double scale = largest > 0.0 ? sign / largest : 0.0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) entry.cofactor[i][j] = float(cofactor[i][j] * scale);
+}
+
+void set_metric(ShadedInstance& entry) {
+  const auto& c = entry.cofactor;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      entry.metric[i][j] = c[0][i] * c[0][j] + (c[1][i] * c[1][j] + c[2][i] * c[2][j]);
+  const float tolerance = 1e-3f * entry.metric[0][0];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      entry.conformal &=
+          std::fabs(entry.metric[i][j] - (i == j ? entry.metric[0][0] : 0.0f)) <= tolerance;
 }
 
 }  // namespace
@@ -60,6 +76,7 @@ void InstanceCache::load(ShadedInstance& entry, std::uint32_t id) {
   }
   set_transform(entry, entry.instance->object_to_world);
   set_cofactors(entry);
+  set_metric(entry);
 }
 
 const Material& InstanceCache::load_material(const ShadedInstance& entry, std::uint32_t slot) {

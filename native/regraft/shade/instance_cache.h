@@ -19,9 +19,14 @@ struct ShadedInstance {
   const Vec3* normals = nullptr;           ///< by normal id, object space
   double rotation[3][3];                   ///< object to world, row-major
   double translation[3];
-  /// Takes object-space normals to the world: cofactors of `rotation`, largest one 1. Unlike the
-  /// inverse transpose they exist for flattened instances too.
+  /// Takes object-space normals to the world: cofactors of `rotation` times the sign of its
+  /// determinant, largest one ±1. Unlike the inverse transpose they exist for flattened instances.
   float cofactor[3][3];
+  /// Inverse metric of object space, cofactorᵀ · cofactor up to scale: takes a plane's normal to
+  /// the direction that is perpendicular to the plane in the world. `conformal`: it is a multiple
+  /// of the identity, as for all rigid motions and even scales.
+  float metric[3][3];
+  bool conformal = true;
   /// World length of the longest image of an object-space unit vector's component.
   float stretch = 0.0f;
   float translation_size = 0.0f;    ///< largest |component|

@@ -57,31 +57,58 @@ void interpolate_normals(const Corners& c, LocalSurface& out) {
   }
 }
 
-/// Moves `point` by `weight` times its depth below the plane through corner p with normal n.
-inline void lift(const Vec3Lanes& p, const Vec3Lanes& n, float side, float weight, std::uint32_t i,
-                 const float (&at)[3], float (&moved)[3]) {
+/// A direction in object space.
+struct Direction {
+  float x, y, z;
+};
+
+/// What is perpendicular, in the world, to planes with the object-space normal n; its component
+/// along n is 1.
+template <bool Conformal>
+inline Direction perpendicular(const ShadedInstance& instance, const Direction& n) {
+  if constexpr (Conformal) return n;
+  const auto& m = instance.metric;
+  const Direction d{m[0][0] * n.x + (m[0][1] * n.y + m[0][2] * n.z),
+                    m[1][0] * n.x + (m[1][1] * n.y + m[1][2] * n.z),
+                    m[2][0] * n.x + (m[2][1] * n.y + m[2][2] * n.z)};
+  const float scale = 1.0f / max_of(n.x * d.x + (n.y * d.y + n.z * d.z), 1e-20f);
+  return {d.x * scale, d.y * scale, d.z * scale};
+}
+
+/// Adds the step that lifts a point onto the tangent plane of corner k, if it is below, times
+/// the corner's weight.
+template <bool Conformal>
+inline void lift(const ShadedInstance& instance, const Corners& c, int k, std::uint32_t i,
+                 float side, float weight, const Direction& at, Direction& sum) {
+  const Direction n{c.normal[k].x[i], c.normal[k].y[i], c.normal[k].z[i]};
   const float below =
-      side * ((at[0] - p.x[i]) * n.x[i] + (at[1] - p.y[i]) * n.y[i] + (at[2] - p.z[i]) * n.z[i]);
-  const float rise = side * weight * (below < 0.0f ? below : 0.0f);
-  moved[0] -= rise * n.x[i];
-  moved[1] -= rise * n.y[i];
-  moved[2] -= rise * n.z[i];
+      min_of(side * ((at.x - c.point[k].x[i]) * n.x +
+                     ((at.y - c.point[k].y[i]) * n.y + (at.z - c.point[k].z[i]) * n.z)),
+             0.0f);
+  const Direction up = perpendicular<Conformal>(instance, n);
+  const float step = side * weight * below;
+  sum.x -= step * up.x;
+  sum.y -= step * up.y;
+  sum.z -= step * up.z;
 }
 
 /// Lifts hit points from the triangle to the curved surface its normals stand for, so that its
 /// own facets do not shadow it: Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II,
-/// 2021, section 4.3. `side` is −1 where the back of the triangle is seen.
-void lift_to_curved(const Corners& c, const FloatLanes& side, LocalSurface& out) {
-  for (std::uint32_t i = 0; i < lane_count; ++i) {
-    const float at[3] = {out.point.x[i], out.point.y[i], out.point.z[i]};
-    float moved[3] = {at[0], at[1], at[2]};
+/// 2021, section 4.3. `side` is −1 where the back of the triangle is seen. Ours: done in object
+/// space, perpendicularly as the world sees it.
+template <bool Conformal>
+void lift_to_curved(const ShadedInstance& instance, const Corners& c, const FloatLanes& side,
+                    std::uint32_t begin, std::uint32_t end, Vec3Lanes& point) {
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const Direction at{point.x[i], point.y[i], point.z[i]};
+    Direction sum = at;
     const float u = c.u[i], v = c.v[i];
-    lift(c.point[0], c.normal[0], side[i], 1.0f - u - v, i, at, moved);
-    lift(c.point[1], c.normal[1], side[i], u, i, at, moved);
-    lift(c.point[2], c.normal[2], side[i], v, i, at, moved);
-    out.point.x[i] = moved[0];
-    out.point.y[i] = moved[1];
-    out.point.z[i] = moved[2];
+    lift<Conformal>(instance, c, 0, i, side[i], 1.0f - u - v, at, sum);
+    lift<Conformal>(instance, c, 1, i, side[i], u, at, sum);
+    lift<Conformal>(instance, c, 2, i, side[i], v, at, sum);
+    point.x[i] = sum.x;
+    point.y[i] = sum.y;
+    point.z[i] = sum.z;
   }
 }
 
@@ -210,9 +237,12 @@ void find_surfaces(const trace::RayPacket& rays, const trace::HitPacket& hits, L
   find_normals(rays, corners, local, instances, side, out);
   if (needs.materials) find_materials(corners, instances, out);
   if (!needs.positions) return;
-  if (corners.smooth) lift_to_curved(corners, side, local);
   for_each_run(corners, instances,
                [&](const ShadedInstance& m, std::uint32_t begin, std::uint32_t end) {
+                 if (corners.smooth && m.conformal)
+                   lift_to_curved<true>(m, corners, side, begin, end, local.point);
+                 else if (corners.smooth)
+                   lift_to_curved<false>(m, corners, side, begin, end, local.point);
                  place(m, local, out.geometric, begin, end, out.position);
                });
 }

@@ -34,9 +34,9 @@ inline Shape sphere(unsigned rings, float radius = 1.0f, bool smooth = false) {
   for (unsigned j = 0; j <= rings; ++j)
     for (unsigned i = 0; i < columns; ++i) {
       const double down = std::numbers::pi * j / rings, round = std::numbers::pi * i / rings;
-      shape.vertices.push_back(Vec3(double(radius) * Vec3d(std::sin(down) * std::cos(round),
-                                                   std::sin(down) * std::sin(round),
-                                                   std::cos(down))));
+      shape.vertices.push_back(
+          Vec3(double(radius) * Vec3d(std::sin(down) * std::cos(round),
+                                      std::sin(down) * std::sin(round), std::cos(down))));
     }
   for (unsigned j = 0; j < rings; ++j)
     for (unsigned i = 0; i < columns; ++i) {
