@@ -13,8 +13,6 @@ ENGINE = "REGRAFT"
 
 # Scenes whose persistent data was switched on for the time of a render.
 _switched_on: set[str] = set()
-# Engines of the scenes that are previewed with Regraft.
-_engines: dict[str, str] = {}
 _began: dict[str, float] = {}
 
 
@@ -44,21 +42,6 @@ def end_render(scene: bpy.types.Scene, *_arguments: object) -> None:
 
 
 @persistent
-def restore_engine(scene: bpy.types.Scene, *_arguments: object) -> None:
-    """After a preview, give the scene the engine back that it had before."""
-    engine = _engines.pop(scene.name_full, None)
-    if engine is not None:
-        scene.render.engine = engine
-
-
-def borrow_engine(scene: bpy.types.Scene) -> None:
-    """Make Regraft the scene's engine until its next render has ended."""
-    if scene.render.engine != ENGINE:
-        _engines[scene.name_full] = scene.render.engine
-        scene.render.engine = ENGINE
-
-
-@persistent
 def begin_frame(*_arguments: object) -> None:
     """Blender evaluates the scene between this and the engine's `update`."""
     _began["frame"] = time.perf_counter()
@@ -80,8 +63,6 @@ def _wanted() -> list[tuple[list, object]]:
         (lists.render_init, begin_render),
         (lists.render_complete, end_render),
         (lists.render_cancel, end_render),
-        (lists.render_complete, restore_engine),
-        (lists.render_cancel, restore_engine),
         (lists.render_pre, begin_frame),
     ]
 

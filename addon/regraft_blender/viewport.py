@@ -158,12 +158,12 @@ def _request(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> Requ
 
 def _camera(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> CameraArguments:
     view, space = context.region_data, context.space_data
-    looks_through = view.view_perspective == "CAMERA" and space.camera is not None
-    if not looks_through or space.camera.type != "CAMERA":
+    looked_through = _camera_object(context)
+    if looked_through is None:
         return camera_reader.read_view(view, (space.clip_start, space.clip_end))
-    camera = space.camera.evaluated_get(depsgraph)
+    camera = looked_through.evaluated_get(depsgraph)
     if camera.data.type == "PANO":
-        left, right, bottom, top = _camera_frame(context, depsgraph.scene)
+        left, right, bottom, top = _camera_frame(context, camera)
         # The viewport's outline in units of the camera's frame.
         outline = (
             -left / (right - left),
@@ -176,9 +176,18 @@ def _camera(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> Camer
     return camera_reader.read_view(view, (camera.data.clip_start, camera.data.clip_end))
 
 
-def _camera_frame(context: bpy.types.Context, scene: bpy.types.Scene) -> Window:
+def _camera_object(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The camera that the viewport looks through, if it does."""
+    if context.region_data.view_perspective != "CAMERA":
+        return None
+    space = context.space_data
+    ob = space.camera if space.use_local_camera else context.scene.camera
+    return ob if ob is not None and ob.type == "CAMERA" else None
+
+
+def _camera_frame(context: bpy.types.Context, camera: bpy.types.Object) -> Window:
     """(left, right, bottom, top) of the camera's frame in shares of the viewport."""
-    corners = np.array(context.space_data.camera.data.view_frame(scene=scene), np.float64)
+    corners = np.array(camera.data.view_frame(scene=context.scene), np.float64)
     projection = np.array(context.region_data.window_matrix, np.float64)
     clip = np.c_[corners, np.ones(4)] @ projection.T
     shares = (clip[:, :2] / clip[:, 3:] + 1) / 2
@@ -187,27 +196,38 @@ def _camera_frame(context: bpy.types.Context, scene: bpy.types.Scene) -> Window:
 
 
 def _region(context: bpy.types.Context, scene: bpy.types.Scene) -> Region:
-    """Pixels of the viewport to trace: all of it, or the user's border."""
+    """Pixels of the viewport to trace: all of it, the user's border, or a panorama's frame,
+    beyond which it would only repeat itself."""
     width, height = context.region.width, context.region.height
-    space, render = context.space_data, scene.render
-    left, right, bottom, top = 0.0, 1.0, 0.0, 1.0
-    if context.region_data.view_perspective == "CAMERA" and space.camera is not None:
-        if not render.use_border or space.camera.type != "CAMERA":
-            return 0, 0, width, height
-        frame = _camera_frame(context, scene)
-        across, up = frame[1] - frame[0], frame[3] - frame[2]
-        left = frame[0] + across * render.border_min_x
-        right = frame[0] + across * render.border_max_x
-        bottom = frame[2] + up * render.border_min_y
-        top = frame[2] + up * render.border_max_y
-    elif space.use_render_border:
-        left, right = space.render_border_min_x, space.render_border_max_x
-        bottom, top = space.render_border_min_y, space.render_border_max_y
+    left, right, bottom, top = _border(context, scene.render)
     x0, y0 = max(0, int(left * width)), max(0, int(bottom * height))
     x1, y1 = min(width, int(right * width)), min(height, int(top * height))
     # A border outside the viewport leaves nothing to trace; one pixel keeps it simple.
     x0, y0 = min(x0, width - 1), min(y0, height - 1)
     return x0, y0, max(x1, x0 + 1), max(y1, y0 + 1)
+
+
+def _border(context: bpy.types.Context, render: bpy.types.RenderSettings) -> Window:
+    """(left, right, bottom, top) of what is to be traced, in shares of the viewport."""
+    space, camera = context.space_data, _camera_object(context)
+    whole = 0.0, 1.0, 0.0, 1.0
+    if camera is None:
+        if not space.use_render_border:
+            return whole
+        xs = space.render_border_min_x, space.render_border_max_x
+        return (*xs, space.render_border_min_y, space.render_border_max_y)
+    if not render.use_border and camera.data.type != "PANO":
+        return whole
+    frame = _camera_frame(context, camera)
+    if not render.use_border:
+        return frame
+    across, up = frame[1] - frame[0], frame[3] - frame[2]
+    return (
+        frame[0] + across * render.border_min_x,
+        frame[0] + across * render.border_max_x,
+        frame[2] + up * render.border_min_y,
+        frame[2] + up * render.border_max_y,
+    )
 
 
 def _hiding(space: bpy.types.SpaceView3D) -> tuple[object, ...]:

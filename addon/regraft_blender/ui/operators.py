@@ -9,15 +9,20 @@ import json
 import math
 import os
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import bpy
 from bpy.props import StringProperty
 
-from .. import compat, handlers, session
+from .. import compat, session
+from ..handlers import ENGINE
 
 Result = set[str]
+
+# Seconds between two looks whether a render in the background has ended.
+LOOK_EVERY = 0.2
 
 
 class PreviewOperator:
@@ -145,17 +150,35 @@ def _render(
     *,
     animation: bool = False,
 ) -> Result:
-    """Render the scene with Regraft; a handler gives it its own engine back."""
-    handlers.borrow_engine(context.scene)
+    """Render the scene with Regraft, and give it its own engine back when that has ended."""
+    scene, engine = context.scene, context.scene.render.engine
+    if engine != ENGINE:
+        scene.render.engine = ENGINE
     try:
         result = bpy.ops.render.render(mode, animation=animation)
     except RuntimeError as error:
         operator.report({"ERROR"}, str(error).removeprefix("Error: ").strip())
         result = {"CANCELLED"}
-    # A render that never began calls no handler.
-    if "RUNNING_MODAL" not in result:
-        handlers.restore_engine(context.scene)
+    give_back = partial(_give_back, scene.name, engine)
+    if "RUNNING_MODAL" in result:
+        bpy.app.timers.register(give_back, first_interval=LOOK_EVERY)
+    else:
+        give_back()
     return {"CANCELLED"} if "CANCELLED" in result else {"FINISHED"}
+
+
+def _give_back(scene_name: str, engine: str) -> float | None:
+    """Set a scene's engine unless it is being rendered; then seconds until the next try.
+
+    Blender's handlers would tell when the render ends, but from the thread that rendered: changing
+    the engine there crashes the viewports.
+    """
+    if bpy.app.is_job_running("RENDER"):
+        return LOOK_EVERY
+    scene = bpy.data.scenes.get(scene_name)
+    if scene is not None and scene.render.engine != engine:
+        scene.render.engine = engine
+    return None
 
 
 CLASSES = (

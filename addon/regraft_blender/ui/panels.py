@@ -11,7 +11,8 @@ from ..handlers import ENGINE
 
 # Panels of Blender's own that say nothing about Regraft's pictures.
 FOREIGN = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes"}
-WRAP_AT = 44
+# Pixels of a letter, and of what else stands in a line, at a resolution scale of 1.
+LETTER, MARGIN = 7.0, 70
 MAX_SENTENCES = 8
 
 TIMES = ("evaluate_ms", "extract_ms", "update_ms", "trace_ms", "shade_ms", "write_ms")
@@ -25,6 +26,12 @@ GROUPS = (
               "observed_cost")),
 )  # fmt: skip
 SHOWN_EVEN_IF_ZERO = {"triangles", "instances"}
+
+
+def room_for(context: bpy.types.Context) -> int:
+    """How many letters fit into a line of a panel."""
+    scale = context.preferences.system.ui_scale
+    return max(16, int((context.region.width / scale - MARGIN) / LETTER))
 
 
 def draw_settings(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
@@ -44,22 +51,24 @@ def draw_settings(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     column.prop(settings, "threads")
 
 
-def draw_problem(layout: bpy.types.UILayout) -> bool:
+def draw_problem(layout: bpy.types.UILayout, room: int) -> bool:
     """Say why the library cannot be used; True if that is so."""
     problem = compat.problem()
     if problem:
-        draw_sentence(layout.box().column(align=True), problem, "ERROR")
+        draw_sentence(layout.box().column(align=True), problem, "ERROR", room)
     return bool(problem)
 
 
-def draw_statistics(layout: bpy.types.UILayout, statistics: dict[str, Any]) -> None:
+def draw_statistics(layout: bpy.types.UILayout, statistics: dict[str, Any], room: int) -> None:
     """One frame's statistics, grouped; what is zero and usually is, is left out."""
-    total = statistics.get("total_ms", 0.0)
-    layout.label(text=f"Frame {statistics.get('frame', 0)}: {total:.1f} ms", icon="TIME")
+    total = readable("total_ms", statistics.get("total_ms", 0.0))
+    layout.label(text=f"Frame {statistics.get('frame', 0)}: {total}", icon="TIME")
     box = layout.box().column(align=True)
     for name in TIMES:
         if statistics.get(name):
             draw_value(box, name, statistics[name])
+    draw_sentences(layout, "Warnings", statistics.get("warnings", []), "ERROR", room)
+    draw_sentences(layout, "Left out", statistics.get("left_out", []), "CHECKMARK", room)
     for title, names in GROUPS:
         box = layout.box().column(align=True)
         box.label(text=title)
@@ -67,38 +76,38 @@ def draw_statistics(layout: bpy.types.UILayout, statistics: dict[str, Any]) -> N
             value = statistics.get(name)
             if value or name in SHOWN_EVEN_IF_ZERO:
                 draw_value(box, name, value)
-    draw_sentences(layout, "Left out", statistics.get("left_out", []), "CHECKMARK")
-    draw_sentences(layout, "Warnings", statistics.get("warnings", []), "ERROR")
 
 
 def draw_value(layout: bpy.types.UILayout, name: str, value: Any) -> None:
     """A name on the left and its value on the right."""
-    row = layout.split(factor=0.6)
+    row = layout.split(factor=0.55)
     row.label(text=words(name))
     right = row.row()
     right.alignment = "RIGHT"
     right.label(text=readable(name, value))
 
 
-def draw_sentences(layout: bpy.types.UILayout, title: str, sentences: list[str], icon: str) -> None:
+def draw_sentences(
+    layout: bpy.types.UILayout, title: str, sentences: list[str], icon: str, room: int
+) -> None:
     """A list of sentences under a title, if there are any."""
     if not sentences:
         return
     box = layout.box().column(align=True)
     box.label(text=title)
     for sentence in sentences[:MAX_SENTENCES]:
-        draw_sentence(box, sentence, icon)
+        draw_sentence(box, sentence, icon, room)
     if len(sentences) > MAX_SENTENCES:
         box.label(text=f"and {len(sentences) - MAX_SENTENCES} more")
 
 
-def draw_sentence(layout: bpy.types.UILayout, sentence: str, icon: str) -> None:
+def draw_sentence(layout: bpy.types.UILayout, sentence: str, icon: str, room: int) -> None:
     """A sentence, broken into lines, because Blender's labels do not."""
-    for number, line in enumerate(wrapped(sentence)):
+    for number, line in enumerate(wrapped(sentence, room)):
         layout.label(text=line, icon=icon if number == 0 else "BLANK1")
 
 
-def wrapped(sentence: str, width: int = WRAP_AT) -> list[str]:
+def wrapped(sentence: str, width: int) -> list[str]:
     """Lines of at most `width` characters, words longer than that left whole."""
     lines = [""]
     for word in sentence.split():
@@ -119,7 +128,7 @@ def readable(name: str, value: Any) -> str:
     if isinstance(value, str):
         return value
     if name.endswith("_ms"):
-        return f"{value:.2f} ms"
+        return f"{value:,.0f} ms" if value >= 100 else f"{value:.2f} ms"
     if name.endswith("_bytes"):
         return f"{value / 2**20:,.1f} MiB"
     if name.endswith("_fraction"):
@@ -143,7 +152,7 @@ class REGRAFT_PT_preview(SidebarPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """Buttons first, then the settings."""
         layout = self.layout
-        if draw_problem(layout):
+        if draw_problem(layout, room_for(context)):
             return
         column = layout.column(align=True)
         column.operator("regraft.render_preview", icon="RENDER_STILL")
@@ -156,14 +165,14 @@ class REGRAFT_PT_statistics(SidebarPanel, bpy.types.Panel):
 
     bl_label = "Last Frame"
 
-    def draw(self, _context: bpy.types.Context) -> None:
-        """The statistics, and the button that saves them."""
+    def draw(self, context: bpy.types.Context) -> None:
+        """The button that saves the statistics, and the statistics."""
         statistics = session.last_statistics()
         if statistics is None:
             self.layout.label(text="Nothing was rendered yet")
             return
-        draw_statistics(self.layout, statistics)
         self.layout.operator("regraft.save_statistics", icon="FILE_TICK")
+        draw_statistics(self.layout, statistics, room_for(context))
 
 
 class PropertiesPanel:
@@ -186,7 +195,7 @@ class REGRAFT_PT_render(PropertiesPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """The settings."""
-        if not draw_problem(self.layout):
+        if not draw_problem(self.layout, room_for(context)):
             draw_settings(self.layout, context.scene)
 
 

@@ -46,8 +46,8 @@ class RegraftSceneSettings(bpy.types.PropertyGroup):
         soft_max=64,
     )
     viewport_samples: IntProperty(
-        name="Viewport Samples",
-        description="Rays through each pixel of a viewport, traced one after another",
+        name="Viewport",
+        description="Samples of a viewport: rays through each pixel, traced one after another",
         default=16,
         min=1,
         max=4096,

@@ -203,7 +203,8 @@ def check_what_the_panels_write() -> None:
     panels = part("ui.panels")
     assert panels.wrapped("a bc def", 4) == ["a bc", "def"]
     assert panels.wrapped("unbreakable", 4) == ["unbreakable"]
-    assert panels.wrapped("") == [""]
+    assert panels.wrapped("", 9) == [""]
+    assert panels.readable("trace_ms", 1234.5) == "1,234 ms"
     assert panels.words("memory_bytes") == "Memory"
     assert panels.words("kdtree_built_fraction") == "K-d tree built fraction"
     assert panels.readable("trace_ms", 12.345) == "12.35 ms"
