@@ -268,8 +268,8 @@ class PacketTracer {
     }
     const Float<R> start = Float<R>::load(rays_.t_near + base);
     const Float<R> local_t = min(far, max(near, test.t));
-    const Float<R> t = min(Float<R>::load(local_.exit + base),
-                           max(Float<R>::load(local_.entry + base), local_t));
+    const Float<R> t =
+        min(Float<R>::load(local_.exit + base), max(Float<R>::load(local_.entry + base), local_t));
     lanes &= (near <= far) & (start <= far) & (start <= t) & (t <= Float<R>::load(best_t_ + base));
     if (lanes == 0 || lacks_area(instance.mesh, prim)) return;
     if (AnyHit) {
