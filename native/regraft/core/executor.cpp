@@ -71,11 +71,11 @@ class Job {
   }
 
  private:
-  void keep(std::size_t chunk, std::exception_ptr error) {
+  void keep(std::size_t chunk, const std::exception_ptr& error) {
     const std::lock_guard lock(error_mutex_);
     if (chunk >= error_chunk_) return;
     error_chunk_ = chunk;
-    error_ = std::move(error);
+    error_ = error;
   }
 
   const std::size_t count_;

@@ -12,7 +12,8 @@ struct Points4 {
 #if defined(__SSE2__) && !defined(REGRAFT_SIMD_SCALAR)
 /// (x, y, z, 0) from three packed floats, reading no byte beyond them.
 REGRAFT_INLINE __m128 load3(const float* p) {
-  const __m128 xy = _mm_castpd_ps(_mm_load_sd(reinterpret_cast<const double*>(p)));
+  // The integer load is the one that promises no alignment.
+  const __m128 xy = _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)));
   return _mm_movelh_ps(xy, _mm_load_ss(p + 2));
 }
 #endif
