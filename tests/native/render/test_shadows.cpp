@@ -34,8 +34,12 @@ TEST(Shadows, ASphereOverAPlaneShadowsADisk) {
   for (std::uint32_t y = 0; y < 101; ++y)
     for (std::uint32_t x = 0; x < 101; ++x) {
       const double r = std::hypot((x + 0.5) * 8 / 101 - 4, (y + 0.5) * 8 / 101 - 4);
-      if (r < radius - 0.06) EXPECT_EQ(red(frame, x, y), 0.0f) << x << ' ' << y;
-      if (r > radius + 0.01) EXPECT_GT(red(frame, x, y), 0.0f) << x << ' ' << y;
+      if (r < radius - 0.06) {
+        EXPECT_EQ(red(frame, x, y), 0.0f) << x << ' ' << y;
+      }
+      if (r > radius + 0.01) {
+        EXPECT_GT(red(frame, x, y), 0.0f) << x << ' ' << y;
+      }
     }
 }
 
