@@ -110,7 +110,9 @@ TEST(Reflectance, TheHighlightIsAtTheMirrorAngleAndFadesWithRoughness) {
     const float highlight = radiance.x[mirror] - float(1.0 / pi);
     EXPECT_GE(highlight, -1e-6f);
     EXPECT_LT(highlight, last);
-    if (roughness < 0.6f) EXPECT_GT(radiance.x[mirror], radiance.x[mirror + 20]);
+    if (roughness < 0.6f) {
+      EXPECT_GT(radiance.x[mirror], radiance.x[mirror + 20]);
+    }
     last = highlight;
   }
 }
@@ -144,7 +146,9 @@ TEST(Reflectance, MirrorsAreFresnelsAndFadeWithRoughness) {
   for (std::uint32_t i = 0; i < lane_count; ++i) {
     EXPECT_EQ(rough[i], 0.0f);
     EXPECT_NEAR(metal[i], 1.0f, 1e-5f);
-    if (i > 0) EXPECT_GE(glass[i], glass[i - 1]);
+    if (i > 0) {
+      EXPECT_GE(glass[i], glass[i - 1]);
+    }
   }
   EXPECT_GT(glass[63], 0.8f);
 }
