@@ -28,15 +28,16 @@ Flags = npt.NDArray[np.int32]
 
 @dataclass(frozen=True, eq=False)
 class Listing:
-    """Blender's list of N instances in bulk: `matrices` (N,16), and what names and hides them."""
+    """Blender's list of N instances in bulk: `matrices` (N,16), and `names` (N,) that tell
+    instances by one instancer apart."""
 
     matrices: Matrices
     names: Flags
-    shown: npt.NDArray[np.bool_]
 
     def lists_the_same(self, other: Listing) -> bool:
-        """True if both hold the same instances in the same order, wherever they stand."""
-        return np.array_equal(self.names, other.names) and np.array_equal(self.shown, other.shown)
+        """True if both hold the same instances in the same order, wherever they stand; given that
+        no object came, went or was hidden."""
+        return np.array_equal(self.names, other.names)
 
 
 class DepsgraphReader:
@@ -111,7 +112,7 @@ class DepsgraphReader:
         delta: SceneDelta,
     ) -> None:
         walk = Walk(self.objects, depsgraph, view, delta)
-        rows = walk.rows(listing.matrices, listing.shown)
+        rows = walk.rows(listing.matrices)
         scene = depsgraph.scene.original
 
         def exists(owners: Keys) -> npt.NDArray[np.bool_]:
@@ -173,8 +174,7 @@ def _read_listing(depsgraph: bpy.types.Depsgraph) -> Listing:
     instances = depsgraph.object_instances
     count = len(instances)
     matrices = np.empty(count * 16, np.float32)
-    names, shown = np.empty(count, np.int32), np.empty(count, np.bool_)
+    names = np.empty(count, np.int32)
     instances.foreach_get("matrix_world", matrices)
     instances.foreach_get("random_id", names)
-    instances.foreach_get("show_self", shown)
-    return Listing(matrices.reshape(-1, 16), names, shown)
+    return Listing(matrices.reshape(-1, 16), names)

@@ -30,6 +30,7 @@ class Source:
 
     `seed` starts their keys; `mesh`, `group` and `materials` are handles, `owner` the address of
     the original object whose removal removes them, `light` that of the original light or 0.
+    `instancer_flags` are the object's own, which tell whether an instancer shows itself.
     """
 
     seed: int
@@ -39,6 +40,7 @@ class Source:
     group: int = NONE
     object_index: int = 0
     light: int = 0
+    instancer_flags: tuple[bool, ...] = ()
 
 
 class ObjectList:
@@ -53,8 +55,8 @@ class ObjectList:
         # Settings by address of the original light, and where in Blender's list each stands.
         self.light_settings: dict[int, LightSettings] = {}
         self.lights: list[tuple[int, int]] = []
-        # By address of the original object: its only source, or None if it is instanced, brings
-        # in instances, or shares its mesh.
+        # By address of the original object: its own source, or None if others show it too, share
+        # its mesh, or if it brings in instances of geometry that it made itself.
         self.known: dict[int, Source | None] = {}
         self._set_indices: dict[tuple[int, ...], int] = {}
 
@@ -89,10 +91,10 @@ class ObjectList:
         if address not in self.known:
             return True
         source = self.known[address]
-        if source is None:
+        if source is None or source.instancer_flags != _instancer_flags(ob):
             return False
         if source.mesh == NO_MESH:
-            return not (is_geometry and ob.type in GEOMETRY)
+            return not (is_geometry and _may_show(ob))
         mesh = ob.data
         if not _has_faces(mesh) or source.mesh not in self.meshes:
             return False
@@ -123,11 +125,14 @@ class Walk:
         self._meshes: dict[int, int] = {}
         self._taken: set[tuple[object, ...]] = set()
         self._users: dict[int, set[int]] = {}
-        self._instancing: set[int] = set()
+        self._own: dict[int, int] = {}
+        self._shown_by_others: set[int] = set()
 
-    def rows(self, matrices: Matrices, shown: np.ndarray) -> Rows:
-        """The instances that have geometry, given all instances' matrices (N,16) and whether
-        each is shown (N,). Meshes that changed are read on the way."""
+    def rows(self, matrices: Matrices) -> Rows:
+        """The instances that have geometry, given all instances' matrices (N,16). Meshes that
+        changed are read on the way."""
+        shown = np.empty(len(matrices), np.bool_)
+        self.depsgraph.object_instances.foreach_get("show_self", shown)
         self.objects.hierarchy.open(self.depsgraph.scene.original)
         index = self._walk(shown.tolist())
         self.objects.hierarchy.close()
@@ -198,16 +203,21 @@ class Walk:
             owner = parent.as_pointer()
             seed = (seed * 0x9E3779B97F4A7C15 + owner) & 0xFFFFFFFFFFFFFFFF
             group = self.objects.hierarchy.group_under(parent)
-            self._instancing |= {owner, original.as_pointer()}
+            self._shown_by_others.add(original.as_pointer())
+        else:
+            self._own[owner] = len(self.sources)
+        flags = _instancer_flags(ob)
         if ob.type == "LIGHT":
-            return Source(seed, owner, light=self.objects.read_light(ob.data))
+            light = self.objects.read_light(ob.data)
+            return Source(seed, owner, light=light, instancer_flags=flags)
         mesh = instance.object.data
         if not is_shown or not self._draws(ob, instance, mesh):
-            return Source(seed, owner)
+            return Source(seed, owner, instancer_flags=flags)
         handle = self._mesh_handle(ob, instance, mesh)
         slots = self.objects.meshes[handle].slot_count
         materials = self.objects.material_set(ob, mesh, slots)
-        return Source(seed, owner, handle, materials, group, max(0, ob.pass_index))
+        index = max(0, ob.pass_index)
+        return Source(seed, owner, handle, materials, group, index, instancer_flags=flags)
 
     def _draws(
         self,
@@ -269,18 +279,29 @@ class Walk:
 
     def _remember(self, index: np.ndarray) -> None:
         """Note which objects may later be read alone, and where the lights are."""
-        known = self.objects.known
-        known.clear()
-        for source in self.sources:
-            users = self._users.get(source.mesh, ())
-            is_alone = source.owner not in self._instancing and len(users) <= 1
-            known[source.owner] = source if is_alone else None
-        known.update(dict.fromkeys(self._instancing))
+        self.objects.known = {
+            owner: source if self._is_alone(owner, source) else None
+            for owner, source in ((o, self.sources[n]) for o, n in self._own.items())
+        }
+        self.objects.known.update(dict.fromkeys(self._shown_by_others))
         lights = [number for number, source in enumerate(self.sources) if source.light]
         self.objects.lights = [
             (position, self.sources[index[position]].light)
             for position in np.flatnonzero(np.isin(index, lights)).tolist()
         ]
+
+    def _is_alone(self, owner: int, source: Source) -> bool:
+        """True if nothing but the object itself tells what its own row shows."""
+        return owner not in self._shown_by_others and len(self._users.get(source.mesh, ())) <= 1
+
+
+def _instancer_flags(ob: bpy.types.Object) -> tuple[bool, ...]:
+    return ob.show_instancer_for_render, ob.show_instancer_for_viewport
+
+
+def _may_show(ob: bpy.types.Object) -> bool:
+    """True for an object that may have got geometry."""
+    return ob.type in GEOMETRY and (ob.type != "MESH" or _has_faces(ob.data))
 
 
 def _has_faces(mesh: bpy.types.ID | None) -> bool:
