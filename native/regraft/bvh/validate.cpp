@@ -28,6 +28,7 @@ class Validator {
 
   std::string finish(std::span<const std::uint32_t> ids) {
     if (error_.empty() && deepest_ != bvh_.depth) fail(0, "has another depth than recorded");
+    for (const std::uint32_t first : bvh_.free_pairs) check_free(first);
     for (std::uint32_t i = 0; i < reached_.size() && error_.empty(); ++i)
       if (!reached_[i] && i != 1) fail(i, "is not reachable");
     std::vector<std::uint32_t> wanted(ids.begin(), ids.end());
@@ -42,6 +43,15 @@ class Validator {
   Aabb fail(std::uint32_t index, const char* what) {
     if (error_.empty()) error_ = "node " + std::to_string(index) + " " + what;
     return {};
+  }
+
+  void check_free(std::uint32_t first) {
+    if (first < 2 || first % 2 != 0 || first + 1 >= reached_.size() || reached_[first] ||
+        reached_[first + 1]) {
+      fail(first, "is free and in use, or free twice");
+      return;
+    }
+    reached_[first] = reached_[first + 1] = true;
   }
 
   Aabb leaf_box(std::uint32_t index) {
@@ -60,7 +70,7 @@ class Validator {
 
   Aabb inner_box(std::uint32_t index, std::uint32_t depth) {
     const std::uint32_t first = bvh_.nodes[index].first;
-    if (first <= index || first % 2 != 0) return fail(index, "has misplaced children");
+    if (first < 2 || first % 2 != 0) return fail(index, "has misplaced children");
     Aabb box = visit(first, depth + 1);
     box.extend(visit(first + 1, depth + 1));
     return box;

@@ -7,7 +7,7 @@
 
 namespace regraft::bvh {
 
-/// Checks invariants I1–I4: one root, no node reached twice, children after parents, depth as
+/// Checks invariants I1–I4: one root, no node reached twice, the free list disjoint, depth as
 /// recorded and bounded, every box the exact union of what is below it (`boxes[prim]` at the
 /// leaves), the primitives of `ids` each in exactly one leaf and no others.
 /// @return the first violation in words, or "".
