@@ -1,113 +1,42 @@
 #include "regraft/bvh/wide_bvh.h"
 
+#include <algorithm>
 #include <cassert>
 #include <limits>
+
+#include "regraft/bvh/wide_treelet.h"
+#include "regraft/bvh/wide_update.h"
 
 namespace regraft::bvh {
 
 namespace {
 
-/// A wide node still to be filled, and the binary node at its root.
-struct Open {
-  std::uint32_t wide;
-  std::uint32_t binary;
-};
-
-template <int W>
-void set_box(WideNode<W>& node, int slot, const Aabb& box) {
-  for (int k = 0; k < 3; ++k) {
-    node.bounds[k][slot] = box.lo[k];
-    node.bounds[3 + k][slot] = box.hi[k];
-  }
-}
-
-/// Up to W descendants of `root` that together hold all it holds, largest boxes opened first.
-template <int W>
-int collect_children(const Bvh& bvh, std::uint32_t root, std::uint32_t (&children)[W]) {
-  int count = 1;
-  children[0] = root;
-  while (count < W) {
-    int largest = -1;
-    double largest_area = -1.0;
-    for (int i = 0; i < count; ++i) {
-      const Node& node = bvh.nodes[children[i]];
-      const double area = node.leaf() ? -1.0 : half_area(node.bounds());
-      if (area > largest_area) {
-        largest_area = area;
-        largest = i;
-      }
-    }
-    if (largest < 0) break;
-    const std::uint32_t first = bvh.nodes[children[largest]].first;
-    children[largest] = first;
-    children[count++] = first + 1;
-  }
-  return count;
-}
-
-/// Fills nodes from the open ones on until none is left, or `limit` are open.
-template <int W>
-void fill(const Bvh& bvh, AlignedVector<WideNode<W>>& nodes, std::vector<Open>& open,
-          std::size_t limit) {
-  for (std::size_t next = 0; next < open.size();) {
-    if (open.size() - next >= limit) {
-      open.erase(open.begin(), open.begin() + std::ptrdiff_t(next));
-      return;
-    }
-    const Open item = open[next++];
-    std::uint32_t children[W];
-    const int count = collect_children<W>(bvh, item.binary, children);
-    WideNode<W> filled;
-    for (int i = 0; i < W; ++i) {
-      const bool used = i < count;
-      set_box(filled, i, used ? bvh.nodes[children[i]].bounds() : Aabb{});
-      filled.source[i] = used ? children[i] : 0;
-      filled.child[i] = WideChild::none;
-      if (!used) continue;
-      const Node& node = bvh.nodes[children[i]];
-      if (node.leaf()) {
-        filled.child[i] = WideChild::leaf(node.first, node.count);
-        continue;
-      }
-      filled.child[i] = std::uint32_t(nodes.size());
-      nodes.emplace_back();
-      open.push_back({filled.child[i], children[i]});
-    }
-    nodes[item.wide] = filled;
-  }
-  open.clear();
-}
-
 /// The top serially, the subtrees below it as tasks of their own, joined in order.
 template <int W>
-void collapse(const Bvh& bvh, AlignedVector<WideNode<W>>& nodes, Executor& executor) {
+void collapse(const Bvh& bvh, const WideTarget<W>& target, Executor& executor) {
   constexpr std::size_t tasks = 64;
-  nodes.emplace_back();
-  std::vector<Open> open{{0, 0}};
-  fill<W>(bvh, nodes, open, tasks);
-  std::vector<AlignedVector<WideNode<W>>> parts(open.size());
-  executor.parallel_for(open.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      parts[i].emplace_back();
-      std::vector<Open> rest{{0, open[i].binary}};
-      fill<W>(bvh, parts[i], rest, std::numeric_limits<std::size_t>::max());
-    }
-  });
-  std::vector<std::size_t> offsets(parts.size());
-  std::size_t total = nodes.size();
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    offsets[i] = total - 1;
-    total += parts[i].size() - 1;
-  }
-  nodes.resize(total);
+  target.ledger.owner.assign(bvh.nodes.size() / 2, WideLedger::none);
+  target.ledger.owner[0] = 0;
+  WidePart<W> top;
+  top.derive(bvh, 0, tasks);
+  std::vector<WidePart<W>> parts(top.open.size());
   executor.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t n = 0; n < parts[i].size(); ++n) {
-        WideNode<W> node = parts[i][n];
-        for (std::uint32_t& child : node.child)
-          if (!WideChild::is_leaf(child)) child += std::uint32_t(offsets[i]);
-        nodes[n == 0 ? open[i].wide : offsets[i] + n] = node;
-      }
+      parts[i].derive(bvh, top.open[i].binary, std::numeric_limits<std::size_t>::max());
+  });
+  std::vector<std::size_t> offsets(parts.size());
+  std::size_t total = top.nodes.size();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    offsets[i] = total;
+    const auto& open = top.open[i];
+    top.nodes[open.wide].child[open.slot] = std::uint32_t(total);
+    total += parts[i].nodes.size();
+  }
+  target.resize(total);
+  place_part(top, target, [](std::size_t n) { return std::uint32_t(n); });
+  executor.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      place_part(parts[i], target, [&](std::size_t n) { return std::uint32_t(offsets[i] + n); });
   });
 }
 
@@ -116,7 +45,21 @@ void take_boxes(const Bvh& bvh, AlignedVector<WideNode<W>>& nodes, Executor& exe
   executor.parallel_for(nodes.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n)
       for (int i = 0; i < W && nodes[n].child[i] != WideChild::none; ++i)
-        set_box(nodes[n], i, bvh.nodes[nodes[n].source[i]].bounds());
+        set_box(nodes[n], i, bvh.nodes[nodes[n].source[i]]);
+  });
+}
+
+template <int W>
+void take_boxes_of(const Bvh& bvh, std::span<const std::uint32_t> sources,
+                   const WideTarget<W>& target, Executor& executor) {
+  executor.parallel_for(sources.size(), 2048, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t source = sources[k];
+      WideNode<W>& node = target.nodes[target.ledger.owner[source / 2]];
+      for (int i = 0; i < W; ++i)
+        if (node.source[i] == source && node.child[i] != WideChild::none)
+          set_box(node, i, bvh.nodes[source]);
+    }
   });
 }
 
@@ -128,9 +71,9 @@ WideBvh WideBvh::derive(const Bvh& bvh, int width, Executor& executor) {
   wide.width_ = width;
   if (bvh.empty()) return wide;
   if (width == 8)
-    collapse<8>(bvh, wide.nodes8_, executor);
+    collapse<8>(bvh, {wide.nodes8_, wide.ledger_}, executor);
   else
-    collapse<4>(bvh, wide.nodes4_, executor);
+    collapse<4>(bvh, {wide.nodes4_, wide.ledger_}, executor);
   return wide;
 }
 
@@ -139,6 +82,26 @@ void WideBvh::refit(const Bvh& bvh, Executor& executor) {
     take_boxes<8>(bvh, nodes8_, executor);
   else
     take_boxes<4>(bvh, nodes4_, executor);
+}
+
+void WideBvh::refit(const Bvh& bvh, std::span<const std::uint32_t> nodes, Executor& executor) {
+  if (width_ == 8)
+    take_boxes_of<8>(bvh, nodes, {nodes8_, ledger_}, executor);
+  else
+    take_boxes_of<4>(bvh, nodes, {nodes4_, ledger_}, executor);
+}
+
+void WideBvh::update(const Bvh& bvh, const Reshaping& changes, Executor& executor) {
+  const bool everything =
+      std::find(changes.rebuilt.begin(), changes.rebuilt.end(), 0u) != changes.rebuilt.end();
+  if (everything || empty() || bvh.empty()) {
+    *this = derive(bvh, width_, executor);
+    return;
+  }
+  if (width_ == 8)
+    WideUpdate<8>(bvh, {nodes8_, ledger_}, executor).run(changes);
+  else
+    WideUpdate<4>(bvh, {nodes4_, ledger_}, executor).run(changes);
 }
 
 }  // namespace regraft::bvh

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "regraft/bvh/bvh.h"
@@ -36,6 +37,32 @@ struct alignas(64) WideNode {
   std::uint32_t source[W];
 };
 
+/// Where the nodes of a binary tree are in its wide layout: what a partial update goes by. An
+/// inner node is known by its pair of children, which it keeps when nodes change places.
+struct WideLedger {
+  static constexpr std::uint32_t none = 0xFFFFFFFFu;
+  /// Per pair of binary nodes: the wide node that it is in, as slots or opened.
+  std::vector<std::uint32_t> owner;
+  /// Per wide node: the pair's first node of the binary node it stands for; `none` while free.
+  std::vector<std::uint32_t> root;
+  std::vector<std::uint32_t> parent;
+  /// Wide nodes that are not in use.
+  std::vector<std::uint32_t> free;
+
+  std::size_t bytes() const {
+    return (owner.capacity() + root.capacity() + parent.capacity() + free.capacity()) *
+           sizeof(std::uint32_t);
+  }
+};
+
+/// What an update did to the shape of a binary tree.
+struct Reshaping {
+  /// Nodes below which everything is new, and still is where it was built.
+  std::vector<std::uint32_t> rebuilt;
+  /// Nodes that hold what another node held, and leaves that hold other primitives.
+  std::vector<std::uint32_t> replaced;
+};
+
 /// The layout that rays traverse (Wald, Benthin, Boulos, Getting Rid of Packets, RT 2008):
 /// derived from a binary tree, never edited by builders. Node 0 is the root.
 class WideBvh {
@@ -44,14 +71,25 @@ class WideBvh {
   /// are full. Same layout for any number of threads.
   static WideBvh derive(const Bvh& bvh, int width, Executor& executor);
 
-  /// Takes over the boxes of the binary tree, whose shape must be that of `derive`.
+  /// Takes over the boxes of the binary tree, whose shape must be the one last seen.
   void refit(const Bvh& bvh, Executor& executor);
+
+  /// Takes over the boxes of these binary nodes only.
+  void refit(const Bvh& bvh, std::span<const std::uint32_t> nodes, Executor& executor);
+
+  /// Derives anew what `changes` reached, with the boxes on the way there; everything else stays
+  /// where it is, and keeps its boxes. Time grows with what changed, not with the tree. Same
+  /// layout for any number of threads.
+  void update(const Bvh& bvh, const Reshaping& changes, Executor& executor);
 
   int width() const { return width_; }
   std::size_t node_count() const { return width_ == 8 ? nodes8_.size() : nodes4_.size(); }
+  /// Nodes among them that hold nothing at present; their first child is `none`.
+  std::size_t free_count() const { return ledger_.free.size(); }
   bool empty() const { return node_count() == 0; }
   std::size_t bytes() const {
-    return nodes4_.capacity() * sizeof(WideNode<4>) + nodes8_.capacity() * sizeof(WideNode<8>);
+    return nodes4_.capacity() * sizeof(WideNode<4>) + nodes8_.capacity() * sizeof(WideNode<8>) +
+           ledger_.bytes();
   }
   template <int W>
   const WideNode<W>* nodes() const;
@@ -60,6 +98,7 @@ class WideBvh {
   int width_ = 8;
   AlignedVector<WideNode<4>> nodes4_;
   AlignedVector<WideNode<8>> nodes8_;
+  WideLedger ledger_;
 };
 
 template <>

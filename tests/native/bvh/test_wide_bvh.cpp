@@ -6,7 +6,8 @@
 #include <set>
 
 #include "bvh/boxes.h"
-#include "regraft/bvh/refit.h"
+#include "bvh/trees.h"
+#include "regraft/bvh/rotate.h"
 
 namespace regraft::test {
 namespace {
@@ -30,14 +31,24 @@ class Check {
 
   std::string flaw() {
     visit(0);
-    if (flaw_.empty() && nodes_.size() != wide_.node_count()) flaw_ = "nodes are not reached";
-    std::size_t leaves = 0;
-    for (std::size_t n = 0; n < bvh_.nodes.size(); ++n) leaves += n != 1 && bvh_.nodes[n].leaf();
-    if (flaw_.empty() && leaves_.size() != leaves) flaw_ = "leaves are missing";
+    if (flaw_.empty() && nodes_.size() + wide_.free_count() != wide_.node_count())
+      flaw_ = "nodes are not reached";
+    std::set<std::uint32_t> leaves;
+    collect_leaves(0, leaves);
+    if (flaw_.empty() && leaves_ != leaves) flaw_ = "leaves are missing";
     return flaw_;
   }
 
  private:
+  void collect_leaves(std::uint32_t n, std::set<std::uint32_t>& leaves) const {
+    if (bvh_.nodes[n].leaf()) {
+      leaves.insert(n);
+      return;
+    }
+    for (std::uint32_t side = 0; side < 2; ++side)
+      collect_leaves(bvh_.nodes[n].first + side, leaves);
+  }
+
   void visit(std::uint32_t index) {
     if (index >= wide_.node_count() || !nodes_.insert(index).second) {
       flaw_ = "a node is reached twice or out of range";
@@ -68,7 +79,8 @@ class Check {
       visit(child);
       return;
     }
-    if (WideChild::begin(child) != source.first || WideChild::count(child) != source.count)
+    if (!source.leaf() || WideChild::begin(child) != source.first ||
+        WideChild::count(child) != source.count)
       flaw_ = "a leaf's range is not that of the binary tree";
     if (!leaves_.insert(node.source[slot]).second) flaw_ = "a leaf is there twice";
   }
@@ -146,6 +158,116 @@ TEST_P(Width, TheDeepestTreeIsDerivedToo) {
   }
   const Bvh bvh = Boxes(all).build();
   EXPECT_EQ(flaw(WideBvh::derive(bvh, GetParam(), pool(2)), bvh), "");
+}
+
+/// Where a partial update of a wide layout gets its changes from: a binary tree that is mended in
+/// the three ways there are.
+class Mender {
+ public:
+  Mender(std::size_t count, std::uint64_t seed) : boxes(random_boxes(count, seed)), random_(seed) {
+    // Leaves of one: any place in the list of primitives will do for them.
+    config_.max_leaf = 1;
+    tree = boxes.build(2, config_);
+  }
+
+  /// Moves some primitives; the boxes of `moved` nodes have changed.
+  void move(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i)
+      boxes.boxes[random_.below(boxes.boxes.size())] = cube(random_.in_box(1.0), 0.05);
+    const Bvh before = tree;
+    refit_to(tree, boxes);
+    moved.clear();
+    for (std::uint32_t n = 0; n < tree.nodes.size(); ++n)
+      if (!(tree.nodes[n] == before.nodes[n])) moved.push_back(n);
+  }
+
+  void rotate() {
+    for (const bvh::Rotation& r : bvh::rotate(tree, {}, pool(2))) {
+      changes.replaced.push_back(r.child);
+      changes.replaced.push_back(r.grandchild);
+      moved.push_back(r.child ^ 1u);
+    }
+  }
+
+  /// Builds a random subtree anew; its pairs of nodes are used again, in another order.
+  void rebuild() {
+    std::uint32_t n = 0;
+    for (std::size_t down = 1 + random_.below(6); down > 0 && !tree.nodes[n].leaf(); --down)
+      n = tree.nodes[n].first + std::uint32_t(random_.below(2));
+    if (n == 0) return;
+    std::vector<std::uint32_t> ids, slots, pairs = tree.free_pairs;
+    for (const std::uint32_t below : nodes_below(tree, n)) {
+      const bvh::Node& node = tree.nodes[below];
+      if (!node.leaf()) pairs.push_back(node.first);
+      for (std::uint32_t i = 0; i < node.count; ++i) slots.push_back(node.first + i);
+    }
+    std::sort(slots.begin(), slots.end());
+    for (const std::uint32_t slot : slots) ids.push_back(tree.prim_ids[slot]);
+    std::sort(ids.begin(), ids.end());
+    graft(n, slots, bvh::BinnedSahBuilder::build(boxes.boxes, ids, config_, pool(1)), pairs);
+    changes.rebuilt.push_back(n);
+  }
+
+  Boxes boxes;
+  Bvh tree;
+  bvh::Reshaping changes;
+  std::vector<std::uint32_t> moved;
+
+ private:
+  void graft(std::uint32_t root, const std::vector<std::uint32_t>& slots, const Bvh& part,
+             std::vector<std::uint32_t>& pairs) {
+    const auto place = [&](std::uint32_t n) { return n == 0 ? root : pairs[n / 2 - 1] + n % 2; };
+    while (pairs.size() < part.nodes.size() / 2) {
+      pairs.push_back(std::uint32_t(tree.nodes.size()));
+      tree.nodes.resize(tree.nodes.size() + 2);
+    }
+    for (std::uint32_t n = 0; n < part.nodes.size(); ++n) {
+      if (n == 1) continue;
+      bvh::Node node = part.nodes[n];
+      node.first = node.leaf() ? slots[node.first] : place(node.first);
+      tree.nodes[place(n)] = node;
+    }
+    for (std::size_t i = 0; i < slots.size(); ++i) tree.prim_ids[slots[i]] = part.prim_ids[i];
+    pairs.erase(pairs.begin(), pairs.begin() + std::ptrdiff_t(part.nodes.size() / 2 - 1));
+    tree.free_pairs = pairs;
+    tree.depth = height_of(tree, 0);
+  }
+
+  Random random_;
+  bvh::BinnedSahBuilder::Config config_;
+};
+
+TEST_P(Width, AnUpdateReachesAllThatChangedAndNothingElse) {
+  for (const std::size_t count : {3, 20, 300, 5000}) {
+    Mender mender(count, count);
+    WideBvh wide = WideBvh::derive(mender.tree, GetParam(), pool(2));
+    WideBvh alone = wide;
+    for (int frame = 0; frame < 30; ++frame) {
+      mender.changes = {};
+      mender.move(1 + count / 50);
+      if (frame % 3 != 0) mender.rotate();
+      if (frame % 3 != 1) mender.rebuild();
+      ASSERT_EQ(mender.boxes.flaw(mender.tree), "");
+      wide.update(mender.tree, mender.changes, pool(5));
+      alone.update(mender.tree, mender.changes, pool(1));
+      wide.refit(mender.tree, mender.moved, pool(5));
+      alone.refit(mender.tree, mender.moved, pool(1));
+      ASSERT_EQ(flaw(wide, mender.tree), "") << count << ", frame " << frame;
+      EXPECT_TRUE(GetParam() == 8 ? same_nodes<8>(wide, alone) : same_nodes<4>(wide, alone));
+    }
+    // What is freed is used again, and nodes stay about as full as those of a fresh layout.
+    const WideBvh fresh = WideBvh::derive(mender.tree, GetParam(), pool(2));
+    const double used = double(wide.node_count() - wide.free_count());
+    EXPECT_LE(used, 1.5 * double(fresh.node_count()) + 2) << count;
+  }
+}
+
+TEST_P(Width, AnUpdateOfNothingChangesNothing) {
+  const Mender mender(500, 1);
+  WideBvh wide = WideBvh::derive(mender.tree, GetParam(), pool(2));
+  const WideBvh before = wide;
+  wide.update(mender.tree, {}, pool(2));
+  EXPECT_TRUE(GetParam() == 8 ? same_nodes<8>(wide, before) : same_nodes<4>(wide, before));
 }
 
 TEST(WideChild, ALeafsRangeComesBackAndNoneIsNoLeafInUse) {
