@@ -5,6 +5,7 @@ The `regraft` command relies on this surface, so change it only together with th
 - `add_frame_listener(function)`, `remove_frame_listener(function)`: `function` is called with the
   FrameStatistics of every finished frame (attributes, and `as_dict()`; see docs/statistics.md).
 - `last_statistics() -> dict | None`: of the last finished frame.
+- `new_scene(threads)` makes the native scene of each session; replace it to see what is done to it.
 - `Scene.regraft` has `shading samples policy structure layout threads`, with the names of the
   NumPy API as values; `ViewLayer.regraft` has `use_pass_cost`. `register()` and `unregister()` of
   the package may be called in any process that has bpy.
@@ -63,12 +64,17 @@ class Options:
         )
 
 
+def new_scene(threads: int) -> Any:
+    """An empty native scene."""
+    return compat.native().Scene(threads=threads)
+
+
 class Session:
     """One native scene, and what is needed to keep it like Blender's."""
 
     def __init__(self, threads: int) -> None:
         self.threads = threads
-        self.scene = compat.native().Scene(threads=threads)
+        self.scene = new_scene(threads)
         self.is_open = True
         # Set by a viewport: stops whatever still traces the scene in another thread.
         self.stop_tracing: Callable[[], None] = lambda: None

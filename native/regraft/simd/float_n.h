@@ -24,7 +24,13 @@
 #define REGRAFT_SIMD_NAMESPACE scalar
 #endif
 
+// Loops over lanes grow with every sanitizer's checks; all put into one function they take minutes
+// to compile, and nobody waits for them to run fast.
+#if defined(REGRAFT_SIMD_SCALAR) && defined(__SANITIZE_ADDRESS__)
+#define REGRAFT_INLINE inline
+#else
 #define REGRAFT_INLINE inline __attribute__((always_inline))
+#endif
 
 namespace regraft::simd::REGRAFT_SIMD_NAMESPACE {
 

@@ -6,6 +6,7 @@ import importlib
 import logging
 import os
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -34,6 +35,8 @@ class Backend(Protocol):
     def open(self, job: RenderJob) -> SceneInfo: ...
 
     def render(self, frame: int, path: Path) -> dict[str, Any]: ...
+
+    def record(self, frames: Sequence[int], folder: Path) -> None: ...
 
     def close(self) -> None: ...
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,11 @@ class InProcessBackend:
         """See BlenderWorker.render."""
         with hold_back_output(self._verbose):
             return self._worker.render(frame, path)
+
+    def record(self, frames: Sequence[int], folder: Path) -> None:
+        """See BlenderWorker.record."""
+        with hold_back_output(self._verbose):
+            self._worker.record(frames, folder)
 
     def close(self) -> None:
         """See BlenderWorker.close."""

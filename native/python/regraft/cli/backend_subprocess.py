@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -71,6 +72,10 @@ class SubprocessBackend:
         """See BlenderWorker.render."""
         row: dict[str, Any] = self._ask({"call": "render", "frame": frame, "path": str(path)})
         return row
+
+    def record(self, frames: Sequence[int], folder: Path) -> None:
+        """See BlenderWorker.record."""
+        self._ask({"call": "record", "frames": list(frames), "folder": str(folder)})
 
     def close(self) -> None:
         """Ends the worker: it stops by itself when its requests end."""

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import importlib
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from regraft.cli.errors import InputError
 from regraft.cli.job import RenderJob
+from regraft.study.shot import Recorder, ShotWriter
 
 ADDON = "regraft_blender"
 # Longer reports hold arguments and stacks that nobody reads in one line.
@@ -57,6 +60,13 @@ class Engine:
         row["evaluate_ms"] = self._clock.evaluate_ms
         return row
 
+    @contextmanager
+    def watched(self, writer: ShotWriter) -> Iterator[Recorder]:
+        """While this lives, what the add-on does to its native scene is written down."""
+        assert self._addon
+        with self._addon.watched(writer) as recorder:
+            yield recorder
+
     def close(self) -> None:
         """Takes handlers and add-on out of Blender."""
         self._clock.close()
@@ -89,6 +99,16 @@ class _Addon:
         row = self._rows[-1]
         self._rows.clear()
         return row
+
+    @contextmanager
+    def watched(self, writer: ShotWriter) -> Iterator[Recorder]:
+        new_scene = self._session.new_scene
+        recorder = Recorder(new_scene(0), writer)
+        self._session.new_scene = lambda _threads: recorder
+        try:
+            yield recorder
+        finally:
+            self._session.new_scene = new_scene
 
     def close(self) -> None:
         self._session.remove_frame_listener(self._on_frame)

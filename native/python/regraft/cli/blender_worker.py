@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from regraft.cli import blender_engine, blender_file, blender_view
 from regraft.cli.blender_simulation import RunUp
-from regraft.cli.errors import InputError, OutputError
+from regraft.cli.errors import InputError, OutputError, describe_write_failure
 from regraft.cli.job import RenderJob, SceneInfo
+from regraft.study.shot import ShotWriter
 
 # What Blender calls each format: media type (5.0 on), file format, colour mode, depth in bits.
 _FORMATS = {
@@ -78,6 +80,23 @@ class BlenderWorker:
         row["write_ms"] = (time.perf_counter() - rendered) * 1e3
         row["total_ms"] = (time.perf_counter() - started) * 1e3
         return row
+
+    def record(self, frames: Sequence[int], folder: Path) -> None:
+        """Renders the frames and writes down, as a shot, all that the library was told for them.
+
+        The engine must be REGRAFT and have rendered nothing yet. Raises InputError, OutputError.
+        """
+        assert self._engine
+        assert self._run_up
+        try:
+            with ShotWriter(folder) as writer, self._engine.watched(writer) as recorder:
+                for frame in frames:
+                    recorder.next_frame = frame
+                    self._engine.begin_frame(self._scene)
+                    self._run_up.to(frame)
+                    self._engine.render(self._scene, frame)
+        except OSError as error:
+            raise describe_write_failure(folder, error) from error
 
     def probe(self) -> dict[str, Any]:
         """Versions, and which of the file formats this Blender reads."""

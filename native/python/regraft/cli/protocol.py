@@ -52,6 +52,8 @@ def _call(worker: Any, request: dict[str, Any]) -> Any:
         return worker.open(RenderJob.from_json(request["job"])).as_json()
     if request["call"] == "probe":
         return worker.probe()
+    if request["call"] == "record":
+        return worker.record(request["frames"], Path(request["folder"]))
     return worker.render(request["frame"], Path(request["path"]))
 
 
