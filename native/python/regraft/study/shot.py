@@ -88,7 +88,9 @@ class ShotWriter:
             return {kind: {k: self._encode(v) for k, v in asdict(value).items()}}
         if isinstance(value, dict):
             return {"dict": {key: self._encode(v) for key, v in value.items()}}
-        if isinstance(value, list | tuple):
+        if isinstance(value, list):
+            return {"list": [self._encode(v) for v in value]}
+        if isinstance(value, tuple):
             return [self._encode(v) for v in value]
         return value.item() if isinstance(value, np.generic) else value
 
@@ -176,6 +178,8 @@ class Shot:
         ((kind, content),) = value.items()
         if kind == "array":
             return self._load(*content)
+        if kind == "list":
+            return [self._decode(v) for v in content]
         fields = {key: self._decode(v) for key, v in content.items()}
         return {"Camera": Camera, "Light": Light, "dict": dict}[kind](**fields)
 
