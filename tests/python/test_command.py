@@ -25,7 +25,9 @@ def source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return "shot.blend"
 
 
-@pytest.mark.parametrize("words", [(), ("render",), ("bench",), ("bench", "sync"), ("doctor",)])
+@pytest.mark.parametrize(
+    "words", [(), ("render",), ("bench",), ("bench", "sync"), ("bench", "update"), ("doctor",)]
+)
 def test_help_is_everywhere(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     assert exit_code(*words, "-h") == 0
     assert "usage: regraft" in capsys.readouterr().out
@@ -50,9 +52,10 @@ def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
         (("render", "a.blend", "--threads", "-1"), "not between 0"),
         (("render", "a.blend", "--shading", "toon"), "invalid choice: 'toon'"),
         (("render", "a.blend", "--policy", "hope"), "invalid choice: 'hope'"),
-        (("render", "a.blend", "--passes", "combined,mist"), "'mist' is no pass"),
+        (("render", "a.blend", "--passes", "combined,mist"), "'mist' is not known"),
         (("render", "a.blend", "--movie", "m.avi"), "must end in .mp4"),
         (("render", "a.blend", "--passes", "depth"), "needs --format exr"),
+        (("bench", "update", "--policies", "refit,hope"), "'hope' is not known"),
     ],
 )
 def test_wrong_usage_is_explained(
@@ -120,4 +123,5 @@ def test_a_benchmark_without_its_file_is_bad_input(
     source: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert exit_code("bench", "sync", "none.blend") == 3
+    assert exit_code("bench", "update", "none.blend") == 3
     assert "none.blend" in capfd.readouterr().err

@@ -205,3 +205,16 @@ def test_the_benchmark_measures_every_engine(command: Command, tmp_path: Path) -
     assert engines["REGRAFT"]["with_file_s"] > engines["REGRAFT"]["without_file_s"] > 0
     assert engines["CYCLES"]["with_file_s"] > 0
     assert "bytes a triangle" in said
+
+
+def test_every_policy_is_measured_over_a_shot(command: Command, tmp_path: Path) -> None:
+    result = tmp_path / "b.json"
+    words = ("--frames", "1-3", "--size", "32", "--policies", "refit,rebuild", "--output", result)
+    said = command.run("bench", "update", command.scenes / "moving.blend", *words)
+    shot = json.loads(result.read_text())["shots"]["moving"]
+    assert [row["frame"] for row in shot["rows"]] == [1] * 4 + [2] * 4 + [3] * 4
+    assert {(r["policy"], r["layout"]) for r in shot["totals"]} == {
+        (policy, layout) for policy in ("refit", "rebuild") for layout in ("two-level", "flat")
+    }
+    assert all(row["rays_primary"] == 32 * 32 for row in shot["rows"])
+    assert "moving, 32² primary and shadow rays, 3 frames" in said

@@ -36,12 +36,16 @@ class Backend(Protocol):
 
     def render(self, frame: int, path: Path) -> dict[str, Any]: ...
 
-    def record(self, frames: Sequence[int], folder: Path) -> None: ...
-
     def close(self) -> None: ...
 
 
-def choose_backend(verbose: bool) -> Backend:
+class RecordingBackend(Backend, Protocol):
+    """One that can also write the frames down as a shot (regraft.study.shot)."""
+
+    def record(self, frames: Sequence[int], folder: Path) -> None: ...
+
+
+def choose_backend(verbose: bool) -> RecordingBackend:
     """bpy if it can be imported, else the program `blender`; InputError if there is neither."""
     program = find_program()
     if program is None:

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import os
-import subprocess
 from pathlib import Path
-from typing import Any
 
-import regraft
-from regraft.cli import bench_sync, options
+from regraft.cli import bench_sync, bench_update, options
 from regraft.cli.console import Console
-from regraft.cli.doctor import available_isas, usable_cores
-from regraft.cli.errors import EXIT_OK, InputError, describe_write_failure
-from regraft.formats import atomic, jsonl
+from regraft.cli.errors import EXIT_OK, InputError
+from regraft.cli.machine import machine, save_result
 
 DEFAULT_FILE = Path("blend_files/explosion.blend")
 
@@ -27,6 +22,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     kinds = bench.add_subparsers(title="benchmarks", required=True, metavar="WHAT")
     _add_sync(kinds)
+    bench_update.add_parser(kinds)
 
 
 def _add_sync(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -85,54 +81,8 @@ def run_sync(args: argparse.Namespace, console: Console) -> int:
         **machine(),
         **measured,
     }
-    try:
-        atomic.write_bytes(args.output, jsonl.encode(result))
-    except OSError as error:
-        raise describe_write_failure(args.output, error) from error
+    save_result(args.output, result)
     for line in bench_sync.table(result):
         console.say(line)
     console.say(f"JSON: {args.output}")
     return EXIT_OK
-
-
-def machine() -> dict[str, Any]:
-    """What a measurement must be read with."""
-    return {
-        "regraft": regraft.__version__,
-        "commit": _commit(),
-        "processor": _processor(),
-        "cores": usable_cores(),
-        "simd": available_isas()[-1],
-        "load_average": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
-    }
-
-
-def _commit() -> str:
-    """Commit of regraft's checkout that this package lies in, `+` for changes; else ""."""
-    folder = Path(regraft.__file__).parent
-    top = _git(folder, "rev-parse", "--show-toplevel")
-    if not top or not Path(top, "native", "regraft").is_dir():
-        return ""
-    return _git(folder, "describe", "--always", "--dirty=+", "--exclude=*")
-
-
-def _git(folder: Path, *words: str) -> str:
-    try:
-        done = subprocess.run(
-            ["git", "-C", str(folder), *words], capture_output=True, text=True, check=True
-        )
-    except (OSError, subprocess.CalledProcessError):
-        return ""
-    return done.stdout.strip()
-
-
-def _processor() -> str:
-    """Name of the processor where the system tells it, else its architecture."""
-    import platform
-
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()

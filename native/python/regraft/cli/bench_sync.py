@@ -14,6 +14,7 @@ from regraft.cli.backend import find_program
 from regraft.cli.backend_subprocess import SubprocessBackend, blender_command, bpy_command
 from regraft.cli.errors import CommandError
 from regraft.cli.job import RenderJob
+from regraft.cli.machine import machine_line
 
 ENGINES = ("REGRAFT", "CYCLES", "BLENDER_WORKBENCH")
 # Further jobs of Regraft alone: tracing without shadow rays, and refitting without much tracing.
@@ -103,10 +104,7 @@ def table(result: dict[str, Any]) -> Iterator[str]:
     """The result as lines for people."""
     width, height = result["resolution"]
     yield f"{result['file']}, {width} x {height}, median of {result['frames']} frames"
-    yield (
-        f"{result['processor']}, {result['cores']} cores, {result['simd']}, load "
-        f"{result['load_average']}; regraft {result['regraft']} {result['commit']}".rstrip()
-    )
+    yield machine_line(result)
     yield f"{'':<18}{'s a frame':>12}{'no file':>10}{'no file, no evaluation':>24}{'first':>8}"
     for name, values in result["engines"].items():
         yield _engine_line(name, values)

@@ -80,7 +80,7 @@ class _Addon:
     def __init__(self) -> None:
         try:
             self._package = importlib.import_module(ADDON)
-            self._session = importlib.import_module(f"{ADDON}.session")
+            self._session: Any = importlib.import_module(f"{ADDON}.session")
         except ImportError as error:
             raise InputError(f"the add-on {ADDON} cannot be loaded: {error}") from error
         self._package.register()

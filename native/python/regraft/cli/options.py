@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -38,11 +38,22 @@ def frames(text: str) -> list[int]:
 
 def passes(text: str) -> tuple[str, ...]:
     """Comma-separated pass names, `combined` first and always there."""
-    names = [name.strip() for name in text.split(",")]
-    for name in names:
-        if name not in PASSES:
-            raise argparse.ArgumentTypeError(f"{name!r} is no pass; there are {', '.join(PASSES)}")
+    names = list_of(PASSES)(text)
     return tuple(name for name in PASSES if name in names or name == "combined")
+
+
+def list_of(known: Sequence[str]) -> Callable[[str], tuple[str, ...]]:
+    """A type for argparse: comma-separated names out of `known`."""
+
+    def parse(text: str) -> tuple[str, ...]:
+        names = tuple(name.strip() for name in text.split(","))
+        for name in names:
+            if name not in known:
+                choice = ", ".join(known)
+                raise argparse.ArgumentTypeError(f"{name!r} is not known; there are {choice}")
+        return names
+
+    return parse
 
 
 def whole_number(low: int, high: int) -> Callable[[str], int]:

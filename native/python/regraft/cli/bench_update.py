@@ -1,0 +1,118 @@
+"""`regraft bench update`: every policy over whole shots, update and trace apart."""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from regraft.cli import options
+from regraft.cli.console import Console
+from regraft.cli.errors import EXIT_OK, InputError
+from regraft.cli.job import LAYOUTS, POLICIES
+from regraft.cli.machine import machine, machine_line, save_result
+from regraft.cli.recording import record
+from regraft.study import aging, aging_table, local_motion
+from regraft.study.shot import Shot
+
+FILES = tuple(
+    Path("blend_files", f"{name}.blend")
+    for name in ("explosion", "n_body", "cloth", "robots", "mixed")
+)
+# Triangles of the made scene, how many of them move, frames.
+LOCAL_MOTION = (1_000_000, 16_000, 40)
+
+
+def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Adds `bench update`."""
+    parser = kinds.add_parser(
+        "update",
+        help="every policy over whole shots: update and trace, tree quality",
+        description="Replay shots on scenes that differ in policy and layout only, taking turns "
+        "frame by frame; print seconds of updating and tracing, the trees' cost beside fresh "
+        "ones, and what was mended. Without FILE: explosion, n_body, cloth, robots, mixed from "
+        "blend_files/ and a landscape of 1,000,000 triangles of which 16,000 move.",
+    )
+    parser.set_defaults(run=run)
+    parser.add_argument(
+        "files", metavar="FILE", type=Path, nargs="*", help="anything Blender reads"
+    )
+    parser.add_argument(
+        "--policies",
+        type=options.list_of(POLICIES),
+        default=POLICIES,
+        metavar="A,B,…",
+        help=f"of {', '.join(POLICIES)} (default: all)",
+    )
+    parser.add_argument(
+        "--layouts",
+        type=options.list_of(LAYOUTS),
+        default=LAYOUTS,
+        metavar="A,B",
+        help=f"of {', '.join(LAYOUTS)} (default: both)",
+    )
+    parser.add_argument("--frames", type=options.frames, metavar="1-100", help="(default: all)")
+    parser.add_argument(
+        "--size",
+        type=options.whole_number(1, 16384),
+        default=512,
+        metavar="N",
+        help="pixels of the square picture's side (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--threads",
+        type=options.whole_number(0, 1024),
+        default=0,
+        metavar="N",
+        help="(default: all cores)",
+    )
+    parser.add_argument(
+        "--output",
+        type=options.file_with_suffix(".json"),
+        metavar="FILE.json",
+        default=Path("bench_update.json"),
+        help="(default: %(default)s)",
+    )
+    parser.add_argument("--verbose", action="store_true", help="let Blender's own output through")
+
+
+def run(args: argparse.Namespace, console: Console) -> int:
+    """Runs `regraft bench update`; raises CommandError. Returns the exit code."""
+    for path in args.files:
+        if not path.is_file():
+            raise InputError(f"cannot read {path}: no such file")
+    contestants = [aging.Contestant(p, layout) for layout in args.layouts for p in args.policies]
+    settings = aging.Settings(size=args.size, threads=args.threads)
+    result: dict[str, Any] = {"benchmark": "update", "size": args.size, **machine(), "shots": {}}
+    console.say(machine_line(result))
+    for name, shot in _shots(args, console):
+        with console.progress(len(shot), name) as progress:
+            rows = list(
+                aging.measure(
+                    shot,
+                    contestants,
+                    settings,
+                    lambda frame, name=name: progress.step(f"{name}, frame {frame}", str(frame)),  # type: ignore[misc]
+                )
+            )
+        totals = aging_table.totals(rows)
+        result["shots"][name] = {"totals": totals, "rows": rows}
+        console.say(f"{name}, {args.size}² primary and shadow rays, {len(shot)} frames")
+        for line in aging_table.lines(totals):
+            console.say(line)
+        save_result(args.output, result)
+    console.say(f"JSON: {args.output}")
+    return EXIT_OK
+
+
+def _shots(args: argparse.Namespace, console: Console) -> Iterator[tuple[str, Shot]]:
+    """Each shot with its name; its folder lives until the next is asked for."""
+    for source in args.files or FILES:
+        console.note(f"recording {source}")
+        with tempfile.TemporaryDirectory() as folder:
+            yield source.stem, record(source.resolve(), Path(folder), args.frames, args.verbose)
+    if not args.files:
+        with tempfile.TemporaryDirectory() as folder:
+            yield "local motion", local_motion.make(Path(folder), *LOCAL_MOTION)
