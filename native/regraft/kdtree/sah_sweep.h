@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "regraft/kdtree/plane_cost.h"
+#include "regraft/kdtree/split_event.h"
 
 namespace regraft::kdtree {
 
@@ -16,19 +16,11 @@ class SahSweep {
   Split find(std::span<const SplitEntry> entries, const ChildProbability& probability);
 
  private:
-  /// In the order in which a sweep meets them at one position.
-  enum class Kind : std::uint32_t { end, flat, start };
-  struct Event {
-    float position;
-    Kind kind;
-    double weight;
-  };
   /// Fills `events_` with what lies strictly inside the voxel; returns what surrounds it.
   Sides collect(std::span<const SplitEntry> entries, int axis, const Aabb& voxel);
-  void sweep(Split& best, int axis, Sides around, const ChildProbability& probability);
 
   SplitCost cost_;
-  std::vector<Event> events_;
+  std::vector<SplitEvent> events_;
 };
 
 }  // namespace regraft::kdtree
