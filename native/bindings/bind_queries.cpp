@@ -3,14 +3,13 @@
 
 #include "args.h"
 #include "bindings.h"
-#include "python_poll.h"
+#include "query_arrays.h"
 #include "ray_batch.h"
 
 namespace regraft::bindings {
 
 namespace {
 
-using RealsArg = Arg<"numpy.typing.NDArray[numpy.float32] | numpy.typing.NDArray[numpy.float64]">;
 using BoolArray = Arg<"numpy.typing.NDArray[numpy.bool_]">;
 using LimitArg = Arg<"float | numpy.typing.NDArray[numpy.float32]">;
 
@@ -36,15 +35,6 @@ struct RayArrays {
   RayBatch batch;
 };
 
-py::array real_array(const py::object& object, const char* name, py::ssize_t count) {
-  return checked_array(object, name, {py::dtype::of<float>(), py::dtype::of<double>()}, {count, 3});
-}
-
-Rows rows(const py::array& array) {
-  return {static_cast<const std::byte*>(array.data()), array.strides(0), array.strides(1),
-          array.itemsize() == sizeof(double)};
-}
-
 Limits limits(const py::object& object, const char* name, py::ssize_t count) {
   if (!py::isinstance<py::array>(object) || py::cast<py::array>(object).ndim() == 0) {
     return {static_cast<float>(checked_number(object, name)), nullptr, 0};
@@ -63,36 +53,6 @@ RayArrays ray_arrays(const RealsArg& origins, const RealsArg& directions, const 
   return rays;
 }
 
-/// How N packets are shared out.
-struct Sharing {
-  /// Up to here, waking other threads costs more than it brings.
-  std::size_t alone = 4;
-  /// From here on the work takes long enough for somebody to want to interrupt it.
-  std::size_t polled = 4096;
-  std::size_t grain = 16;
-};
-
-/// Calls `work(begin, end)` for all packets on all threads, without the GIL.
-template <typename Work>
-void for_packets(Executor& executor, std::size_t packets, const Sharing& sharing,
-                 const Work& work) {
-  if (packets <= sharing.alone) return work(0, packets);
-  const std::size_t grain = sharing.grain;
-  PythonPoll poll;
-  {
-    const py::gil_scoped_release no_gil;
-    if (packets < sharing.polled) {
-      executor.parallel_for(packets, grain, work);
-    } else {
-      executor.parallel_for_polled(
-          (packets + grain - 1) / grain,
-          [&](std::size_t i) { work(i * grain, std::min(packets, (i + 1) * grain)); },
-          [&] { return poll([] { return true; }); });
-    }
-  }
-  poll.rethrow();
-}
-
 template <Search search>
 HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& directions,
                      const LimitArg& t_near, const LimitArg& t_far) {
@@ -104,10 +64,10 @@ HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg&
                          hits.v.mutable_data(),       hits.normal.mutable_data()};
   const Scene& scene = self.renderer.scene();
   const Sharing sharing = search == Search::trees ? Sharing{} : Sharing{0, 0, 1};
-  for_packets(self.renderer.executor(), rays.batch.packet_count(), sharing,
-              [&](std::size_t begin, std::size_t end) {
-                trace_closest(rays.batch, tracing.tracer(), scene, search, begin, end, arrays);
-              });
+  for_blocks(self.renderer.executor(), rays.batch.packet_count(), sharing,
+             [&](std::size_t begin, std::size_t end) {
+               trace_closest(rays.batch, tracing.tracer(), scene, search, begin, end, arrays);
+             });
   return hits;
 }
 
@@ -117,17 +77,11 @@ BoolArray any_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& di
   const Tracing tracing(self);
   py::array_t<bool> hit(rays.origins.shape(0));
   bool* out = hit.mutable_data();
-  for_packets(self.renderer.executor(), rays.batch.packet_count(), Sharing{},
-              [&](std::size_t begin, std::size_t end) {
-                trace_any(rays.batch, tracing.tracer(), begin, end, out);
-              });
+  for_blocks(self.renderer.executor(), rays.batch.packet_count(), Sharing{},
+             [&](std::size_t begin, std::size_t end) {
+               trace_any(rays.batch, tracing.tracer(), begin, end, out);
+             });
   return as<BoolArray>(hit);
-}
-
-void closest_point(SceneHandle&, const RealsArg&, const Arg<"float">&) {
-  PyErr_SetString(PyExc_NotImplementedError,
-                  "closest_point is not available yet in this version; closest_hit is");
-  throw py::error_already_set();
 }
 
 }  // namespace
@@ -173,9 +127,7 @@ bits. Takes about a nanosecond a ray and triangle.)")
            py::arg("t_far") = no_limit,
            R"(Whether each of N rays hits anything in [t_near, t_far]: (N,) bool.
 
-Arguments and errors as for `closest_hit`.)")
-      .def("closest_point", &closest_point, py::arg("points"), py::arg("max_distance") = no_limit,
-           R"(Nearest point of the scene; raises NotImplementedError in this version.)");
+Arguments and errors as for `closest_hit`.)");
 }
 
 }  // namespace regraft::bindings

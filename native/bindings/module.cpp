@@ -50,6 +50,7 @@ void bind_module(py::module_& module) {
       "Cores that threads=0 takes.");
   bind_statistics(module);
   bind_results(module);
+  bind_point_results(module);
   bind_frame(module);
   SceneClass scene(module, "Scene", R"(A ray-tracing scene that stays alive between frames.
 
@@ -64,6 +65,7 @@ isa: auto, scalar, sse, avx2 or avx512; one that the machine lacks raises ValueE
   bind_instances(scene);
   bind_update(scene);
   bind_queries(scene);
+  bind_points(scene);
   bind_render(scene);
 }
 

@@ -4,8 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <glm/geometric.hpp>
 #include <limits>
+
+#include "world_normal.h"
 
 namespace regraft::bindings {
 
@@ -23,6 +24,11 @@ T value_at(const std::byte* data) {
   T value;
   std::memcpy(&value, data, sizeof(T));
   return value;
+}
+
+template <typename T>
+Vec3d row_at(const std::byte* data, std::ptrdiff_t step) {
+  return {value_at<T>(data), value_at<T>(data + step), value_at<T>(data + 2 * step)};
 }
 
 template <typename T>
@@ -69,24 +75,6 @@ std::uint64_t usable_rays(const RayPacket& rays) {
   return usable;
 }
 
-/// (M e1) × (M e2) = cof(M) (e1 × e2): right for mirrored and for flat matrices, and the edges
-/// are multiplied before the matrix can round them.
-Vec3 world_normal(const Scene& scene, std::uint32_t instance_id, std::uint32_t prim_id) {
-  const Instance& instance = scene.instances()[instance_id];
-  const Mesh& mesh = scene.meshes()[instance.mesh];
-  const Triangle& corners = mesh.triangles[prim_id];
-  const Vec3d a(mesh.vertices[corners.x]);
-  const Vec3d object =
-      glm::cross(Vec3d(mesh.vertices[corners.y]) - a, Vec3d(mesh.vertices[corners.z]) - a);
-  const Mat3d m(instance.object_to_world);
-  const Vec3d world = object.x * glm::cross(m[1], m[2]) + object.y * glm::cross(m[2], m[0]) +
-                      object.z * glm::cross(m[0], m[1]);
-  // Divided by the largest component first: the squares of tiny or huge ones leave the range.
-  const double largest =
-      std::fmax(std::fabs(world.x), std::fmax(std::fabs(world.y), std::fabs(world.z)));
-  return largest > 0.0 ? Vec3(glm::normalize(world / largest)) : Vec3(0.0f);
-}
-
 void store(const HitPacket& hits, std::uint32_t i, const Scene& scene, const HitArrays& out,
            std::size_t ray) {
   const Vec3 normal = world_normal(scene, hits.instance_id[i], hits.prim_id[i]);
@@ -118,6 +106,11 @@ bool coherent(const RayPacket& rays) {
     }
   }
   return true;
+}
+
+Vec3d Rows::at(std::size_t row) const {
+  const std::byte* first = data + static_cast<std::ptrdiff_t>(row) * row_bytes;
+  return is_double ? row_at<double>(first, column_bytes) : row_at<float>(first, column_bytes);
 }
 
 std::size_t RayBatch::packet_count() const {

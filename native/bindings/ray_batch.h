@@ -14,6 +14,8 @@ struct Rows {
   std::ptrdiff_t row_bytes = 0;
   std::ptrdiff_t column_bytes = 0;
   bool is_double = false;
+
+  Vec3d at(std::size_t row) const;
 };
 
 /// One number for all rays, or one a ray (then `data` is not null).

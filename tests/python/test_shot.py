@@ -77,7 +77,9 @@ def test_edits_can_be_left_out(tmp_path: Path) -> None:
     scene.set_world((0.7, 0.7, 0.7))
     scene.update()
     corner = scene.render(shot.camera(0), 24, 24).passes["combined"][0, 0, :3]
-    assert np.array_equal(corner, np.array([0.7, 0.7, 0.7], np.float32)), "the recorded world came through"
+    assert np.array_equal(corner, np.array([0.7, 0.7, 0.7], np.float32)), (
+        "the recorded world came through"
+    )
 
 
 def test_an_interrupted_recording_is_no_shot(tmp_path: Path) -> None:

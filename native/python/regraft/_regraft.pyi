@@ -92,6 +92,33 @@ class HitBatch:
         """
     def __len__(self) -> int: ...
 
+class PointBatch:
+    """Nearest points to N points, one element a point."""
+    @property
+    def distance(self) -> npt.NDArray[np.float64]:
+        """(N,) float64, world units; inf: nothing within reach."""
+    @property
+    def point(self) -> npt.NDArray[np.float64]:
+        """(N, 3) float64, world frame; zero: nothing."""
+    @property
+    def instance_id(self) -> npt.NDArray[np.uint32]:
+        """(N,) uint32; 0xFFFFFFFF: nothing."""
+    @property
+    def prim_id(self) -> npt.NDArray[np.uint32]:
+        """(N,) uint32, the triangle of the instance's mesh; 0xFFFFFFFF: nothing."""
+    @property
+    def u(self) -> npt.NDArray[np.float32]:
+        """(N,) float32, weight of the triangle's second vertex."""
+    @property
+    def v(self) -> npt.NDArray[np.float32]:
+        """(N,) float32, weight of the triangle's third vertex."""
+    @property
+    def normal(self) -> npt.NDArray[np.float32]:
+        """(N, 3) float32, geometric unit normal in the world frame, facing as the placed triangle
+        is wound; zero: nothing.
+        """
+    def __len__(self) -> int: ...
+
 class Scene:
     """A ray-tracing scene that stays alive between frames.
 
@@ -319,8 +346,16 @@ class Scene:
         self,
         points: npt.NDArray[np.float32] | npt.NDArray[np.float64],
         max_distance: float = float("inf"),
-    ) -> None:
-        """Nearest point of the scene; raises NotImplementedError in this version."""
+    ) -> PointBatch:
+        """Nearest point of the scene's surfaces to each of N points.
+
+        points: (N, 3) float32 or float64, world frame. max_distance: how far to look, world units.
+        Points that are not finite find nothing. Among equally near triangles the lowest
+        (instance_id, prim_id) counts. Distances are computed in double. Releases the GIL.
+
+        Raises ValueError for another shape or dtype or a negative distance, RuntimeError if the
+        scene changed since its last update.
+        """
     def render(
         self,
         camera: Camera,

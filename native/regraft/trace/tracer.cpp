@@ -60,4 +60,12 @@ std::uint64_t Tracer::any_hit_single(const RayPacket& rays, TraceCounters& count
   return kernels_->any_hit_single(*view_, rays, counters);
 }
 
+PointHit Tracer::closest_point(const Vec3d& p, double max_distance) const {
+  return trace::closest_point(*view_, p, max_distance);
+}
+
+PointHit Tracer::closest_point_brute_force(const Vec3d& p, double max_distance) const {
+  return trace::closest_point_brute_force(*view_, p, max_distance);
+}
+
 }  // namespace regraft::trace

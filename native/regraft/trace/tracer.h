@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "regraft/simd/dispatch.h"
+#include "regraft/trace/closest_point.h"
 #include "regraft/trace/hit.h"
 
 namespace regraft::trace {
@@ -31,6 +32,10 @@ class Tracer {
   /// Nearest hits found by testing every triangle: the oracle that every tree must equal bit for
   /// bit. O(triangles) a ray.
   void brute_force(const RayPacket& rays, HitPacket& hits, TraceCounters& counters) const;
+
+  /// See trace/closest_point.h.
+  PointHit closest_point(const Vec3d& p, double max_distance) const;
+  PointHit closest_point_brute_force(const Vec3d& p, double max_distance) const;
 
  private:
   const TraceView* view_;
