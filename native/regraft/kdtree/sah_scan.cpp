@@ -5,8 +5,6 @@
 namespace regraft::kdtree {
 namespace {
 
-/// Sorting beats every other way for fewer.
-constexpr std::size_t sweep_below = 8;
 /// Few entries do not pay for many bins.
 constexpr std::size_t few_entries = 1024;
 constexpr int few_bins = 16;
@@ -61,15 +59,20 @@ Neighbours neighbours(std::span<const SplitEntry> entries, const Aabb& voxel, in
   return found;
 }
 
-Sides count_sides(std::span<const SplitEntry> entries, int axis, float position) {
-  Sides sides;
+/// The weights beside two planes.
+std::array<Sides, 2> count_sides(std::span<const SplitEntry> entries, int axis,
+                                 const Neighbours& planes) {
+  std::array<Sides, 2> sides;
+  const std::array<float, 2> position{planes.below, planes.above};
   for (const SplitEntry& entry : entries) {
     const float lo = entry.box.lo[axis];
     const float hi = entry.box.hi[axis];
     const double weight = entry.weight > 0.0 ? entry.weight : 0.0;
-    sides.left += lo < position ? weight : 0.0;
-    sides.right += hi > position ? weight : 0.0;
-    sides.flat += lo == hi && lo == position ? weight : 0.0;
+    for (std::size_t i = 0; i < 2; ++i) {
+      sides[i].left += lo < position[i] ? weight : 0.0;
+      sides[i].right += hi > position[i] ? weight : 0.0;
+      sides[i].flat += lo == position[i] && hi == position[i] ? weight : 0.0;
+    }
   }
   return sides;
 }
@@ -80,11 +83,12 @@ void offer_neighbours(Split& best, const SplitProblem& problem, std::span<const 
   if (sample.axis < 0) return;
   const int axis = sample.axis;
   const Neighbours found = neighbours(entries, problem.probability.voxel(), axis, sample.position);
-  for (const float x : {found.below, found.above}) {
+  const std::array<Sides, 2> sides = count_sides(entries, axis, found);
+  for (const bool above : {false, true}) {
+    const float x = above ? found.above : found.below;
     if (!std::isfinite(x)) continue;
     const ChildProbability::Pair p = problem.probability.at(axis, x);
-    const double cost = plane_cost(problem.cost, p, count_sides(entries, axis, x));
-    offer(best, axis, x, cost, p.left < p.right);
+    offer(best, axis, x, plane_cost(problem.cost, p, sides[above]), p.left < p.right);
     ++best.samples;
   }
 }
@@ -110,16 +114,13 @@ bool flat(const Aabb& voxel, int axis) {
 }  // namespace
 
 Split SahScan::find(std::span<const SplitEntry> entries, const ChildProbability& probability) {
-  if (entries.size() < sweep_below || !EventBins::usable(probability.voxel()))
+  if (entries.size() <= config_.exact_below || !EventBins::usable(probability.voxel()))
     return sweep_.find(entries, probability);
   const EntrySummary summary = summarise(entries);
   const Split cut = empty_cut(summary, probability, cost_);
   if (cut.found()) return cut;
   const Task task{entries, {cost_, probability}, cost_.intersect * summary.weight};
-  const bool exact = entries.size() <= config_.exact_below;
-  Split best = exact                            ? refined(task, 0.0)
-               : std::isfinite(config_.epsilon) ? refined(task, config_.epsilon)
-                                                : two_passes(task);
+  Split best = std::isfinite(config_.epsilon) ? refined(task) : two_passes(task);
   if (!(best.cost < task.leaf)) best.axis = -1;
   return best;
 }
@@ -146,7 +147,7 @@ Split SahScan::two_passes(const Task& task) const {
   return best;
 }
 
-Split SahScan::refined(const Task& task, double epsilon) {
+Split SahScan::refined(const Task& task) {
   const Aabb& voxel = task.problem.probability.voxel();
   const int bins = task.entries.size() < few_entries ? few_bins : EventBins::max_count;
   const UniformSamples uniform(task.entries, voxel, bins);
@@ -160,7 +161,7 @@ Split SahScan::refined(const Task& task, double epsilon) {
     best.samples += std::uint32_t(bins) - 1;
   }
   offer_neighbours(best, task.problem, task.entries, cheapest.best());
-  refinement_.run(best, task.problem, {epsilon, task.leaf}, task.entries, uniform.bins());
+  refinement_.run(best, task.problem, {config_.epsilon, task.leaf}, task.entries, uniform.bins());
   return best;
 }
 

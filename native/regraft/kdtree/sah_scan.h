@@ -9,12 +9,12 @@
 namespace regraft::kdtree {
 
 struct ScanConfig {
-  /// For two passes: planes sampled per axis and pass, one less than a power of two, at most 63.
-  int samples = 15;
   /// Refine until the cost is proven to be at most 1 + epsilon times the least possible; 0: the
-  /// exact split without sorting all. Infinite: two passes, then only the proof of what they gave.
-  double epsilon = std::numeric_limits<double>::infinity();
-  /// So few entries are searched exactly: cheaper than sampling them well.
+  /// exact split without sorting all. Infinite: two passes, and the proof is what they gave.
+  double epsilon = 0.1;
+  /// Of two passes: planes per axis and pass, one less than a power of two, at most 63.
+  int samples = 15;
+  /// So few entries are sorted: exact, and no dearer.
   std::size_t exact_below = 64;
 };
 
@@ -37,7 +37,7 @@ class SahScan {
     double leaf;
   };
   Split two_passes(const Task& task) const;
-  Split refined(const Task& task, double epsilon);
+  Split refined(const Task& task);
 
   SplitCost cost_;
   ScanConfig config_;

@@ -86,12 +86,14 @@ void ScanRefinement::collect(std::span<const SplitEntry> entries, const EventBin
   for (auto& axis : owner) axis.fill(-1);
   for (std::size_t i = 0; i < segments_.size(); ++i)
     owner[std::size_t(segments_[i].axis)][std::size_t(segments_[i].index)] = int(i);
-  const auto owner_of = [&](int axis, int bin) {
-    return owner[std::size_t(axis)][std::size_t(bin)];
-  };
-  for (ScanSegment& segment : segments_) segment.count = 0;
-  for_each_event(entries, bins, [&](int axis, int bin, const SplitEvent&) {
-    if (const int i = owner_of(axis, bin); i >= 0) ++segments_[std::size_t(i)].count;
+  divided_.clear();
+  owners_.clear();
+  for_each_event(entries, bins, [&](int axis, int bin, const SplitEvent& event) {
+    const int i = owner[std::size_t(axis)][std::size_t(bin)];
+    if (i < 0) return;
+    ++segments_[std::size_t(i)].count;
+    owners_.push_back(std::uint32_t(i));
+    divided_.push_back(event);
   });
   std::uint32_t total = 0;
   for (ScanSegment& segment : segments_) {
@@ -99,12 +101,10 @@ void ScanRefinement::collect(std::span<const SplitEntry> entries, const EventBin
     total += std::exchange(segment.count, 0u);
   }
   events_.resize(total);
-  for_each_event(entries, bins, [&](int axis, int bin, const SplitEvent& event) {
-    const int i = owner_of(axis, bin);
-    if (i < 0) return;
-    ScanSegment& segment = segments_[std::size_t(i)];
-    events_[segment.first + segment.count++] = event;
-  });
+  for (std::size_t i = 0; i < total; ++i) {
+    ScanSegment& segment = segments_[owners_[i]];
+    events_[segment.first + segment.count++] = divided_[i];
+  }
 }
 
 void ScanRefinement::divide(const SplitProblem& problem, const ScanSegment& segment,

@@ -37,6 +37,7 @@ class ScanRefinement {
 
   std::vector<ScanSegment> segments_;  ///< a heap while running
   std::vector<SplitEvent> events_, divided_;
+  std::vector<std::uint32_t> owners_;
 };
 
 }  // namespace regraft::kdtree

@@ -24,7 +24,7 @@ constexpr SplitCost never_cut_empty{.empty_cut = 2.0};
 
 /// Without the short cut for few entries.
 ScanConfig scan(double epsilon, int samples = 15) {
-  return {.samples = samples, .epsilon = epsilon, .exact_below = 0};
+  return {.epsilon = epsilon, .samples = samples, .exact_below = 0};
 }
 
 SplitCase any_case(std::uint32_t seed) {
