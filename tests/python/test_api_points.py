@@ -28,7 +28,7 @@ def test_a_point_over_a_square_has_its_foot_there(scene: regraft.Scene) -> None:
     found = scene.closest_point(np.array([[0.25, 0.5, 2.0], [0.25, 0.5, -3.0], [3.0, 0.0, 0.0]]))
     assert len(found) == 3
     assert found.distance.tolist() == [2.0, 2.0, 2.0]
-    assert np.array_equal(found.point, [[0.25, 0.5, 0], [0.25, 0.5, -1], [1, 0, 0]])
+    assert found.point.tolist() == [[0.25, 0.5, 0], [0.25, 0.5, -1], [1, 0, 0]]
     assert found.instance_id.tolist() == [0, 1, 0]
     assert np.allclose(found.normal, [[0, 0, 1], [0, 0, -1], [0, 0, 1]])
 
@@ -47,8 +47,8 @@ def test_arrays_have_the_promised_types(scene: regraft.Scene) -> None:
     for name, dtype in types.items():
         array = getattr(found, name)
         assert (array.dtype, array.shape) == (np.dtype(dtype), (5,)), name
-    assert (found.point.dtype, found.point.shape) == (np.float64, (5, 3))
-    assert (found.normal.dtype, found.normal.shape) == (np.float32, (5, 3))
+    assert (found.point.dtype, found.point.shape) == (np.dtype("f8"), (5, 3))
+    assert (found.normal.dtype, found.normal.shape) == (np.dtype("f4"), (5, 3))
     assert len(scene.closest_point(np.empty((0, 3)))) == 0
 
 
