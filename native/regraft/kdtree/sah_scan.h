@@ -14,8 +14,8 @@ struct ScanConfig {
   double epsilon = 0.1;
   /// Of two passes: planes per axis and pass, one less than a power of two, at most 63.
   int samples = 15;
-  /// So few entries are sorted: exact, and no dearer.
-  std::size_t exact_below = 64;
+  /// So few entries are sorted: exact, and hardly dearer.
+  std::size_t exact_below = 32;
 };
 
 /// A split whose error is bounded, in O(n): Hunt, Mark, Stoll, Fast kd-tree construction with an
