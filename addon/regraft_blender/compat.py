@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import logging
+import math
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -17,6 +18,10 @@ BUNDLED = Path(__file__).parent / "lib"
 
 # `rect.foreach_set` takes one row a pixel up to 3.x and one flat array from 4.0 on.
 FLAT_RESULT_PIXELS = bpy.app.version >= (4, 0, 0)
+
+# Until 4.0 an area light's watts were turned into radiance with a 4 where a π belongs; files are
+# converted when newer versions open them, so that they look the same.
+AREA_LIGHT_POWER = 1.0 if bpy.app.version >= (4, 0, 0) else math.pi / 4
 
 _state: dict[str, ModuleType | str] = {}
 

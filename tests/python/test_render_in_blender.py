@@ -17,7 +17,7 @@ import OpenEXR
 import pytest
 from PIL import Image
 
-from blenders import ROOT, Blender
+from blenders import ROOT, Blender, available
 from regraft.formats.images import verify
 
 STATISTICS = (
@@ -67,11 +67,15 @@ class Command:
 def command(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> Command:
     scenes = tmp_path_factory.mktemp("scenes")
     blender.run(ROOT / "tests" / "data" / "make_command_scenes.py", scenes)
+    return command_in(blender.version, str(blender.executable), scenes)
+
+
+def command_in(version: str, executable: str, scenes: Path) -> Command:
     environment = dict(os.environ)
-    python = str(blender.executable)
-    if blender.version == "3.4":  # a program: any Python that has regraft can drive it
-        python, environment["REGRAFT_BLENDER"] = sys.executable, python
-    return Command([python, "-m", "regraft"], environment, scenes, blender.version)
+    python = executable
+    if version == "3.4":  # a program: any Python that has regraft can drive it
+        python, environment["REGRAFT_BLENDER"] = sys.executable, executable
+    return Command([python, "-m", "regraft"], environment, scenes, version)
 
 
 def pixels(path: Path) -> npt.NDArray[np.int16]:
@@ -218,3 +222,21 @@ def test_every_policy_is_measured_over_a_shot(command: Command, tmp_path: Path) 
     }
     assert all(row["rays_primary"] == 32 * 32 for row in shot["rows"])
     assert "moving, 32² primary and shadow rays, 3 frames" in said
+
+
+@pytest.mark.parametrize(("name", "frame"), [("robots", 20), ("n_body", 60)])
+def test_every_version_draws_the_same_picture(
+    name: str, frame: int, blend_files: Path, tmp_path: Path
+) -> None:
+    pictures = {}
+    for version, executable in available().items():
+        folder = tmp_path / version
+        words = ("--frames", frame, "--resolution", "160x90", "--output", folder)
+        command_in(version, str(executable), blend_files).render(
+            blend_files / f"{name}.blend", *words
+        )
+        pictures[version] = pixels(folder / f"{name}_{frame:04}.png")
+    first, *others = pictures.values()
+    assert first.std() > 10, "the picture shows something"
+    for version, other in zip(list(pictures)[1:], others, strict=True):
+        assert np.abs(first - other).max() <= 1, version

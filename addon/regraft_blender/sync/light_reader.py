@@ -8,6 +8,8 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
+from .. import compat
+
 # Constructor arguments of regraft.Light that do not depend on where the light stands.
 LightSettings = dict[str, Any]
 
@@ -24,6 +26,7 @@ def read_light(light: bpy.types.Light) -> LightSettings:
         settings["radius"] = light.angle / 2
     elif light.type == "AREA":
         is_oblong = light.shape in {"RECTANGLE", "ELLIPSE"}
+        settings["energy"] *= compat.AREA_LIGHT_POWER
         settings["size"] = (light.size, light.size_y if is_oblong else light.size)
     else:
         settings["radius"] = light.shadow_soft_size
