@@ -7,18 +7,23 @@
 
 namespace regraft {
 
+/// Memory on a cache-line boundary; for megabytes of it on a boundary of large pages, and the
+/// system is asked to use them: trees are walked at random, and thousands of small pages cost
+/// more to set up and to look up than what is in them.
+void* allocate_aligned(std::size_t bytes);
+void free_aligned(void* p, std::size_t bytes);
+
 /// Allocates on cache-line boundaries, so that a pair of tree nodes is one line.
 template <typename T>
 struct CacheLineAllocator {
   using value_type = T;
-  static constexpr std::align_val_t alignment{64};
 
   CacheLineAllocator() = default;
   template <typename U>
   CacheLineAllocator(const CacheLineAllocator<U>&) {}
 
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), alignment)); }
-  void deallocate(T* p, std::size_t) { ::operator delete(p, alignment); }
+  T* allocate(std::size_t n) { return static_cast<T*>(allocate_aligned(n * sizeof(T))); }
+  void deallocate(T* p, std::size_t n) { free_aligned(p, n * sizeof(T)); }
   /// Large scratch arrays of plain data are not filled with zeros first.
   template <typename U>
   void construct(U* p) {
