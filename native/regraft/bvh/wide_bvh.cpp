@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
-#include "regraft/bvh/wide_treelet.h"
 #include "regraft/bvh/wide_update.h"
 
 namespace regraft::bvh {
@@ -18,34 +16,31 @@ void collapse(const Bvh& bvh, const WideTarget<W>& target, Executor& executor) {
   target.ledger.owner.assign(bvh.nodes.size() / 2, WideLedger::none);
   target.ledger.owner[0] = 0;
   WidePart<W> top;
-  top.derive(bvh, 0, tasks);
+  top.derive_top(bvh, tasks);
+  const std::uint32_t top_count = std::uint32_t(top.items.size());
   std::vector<WidePart<W>> parts(top.open.size());
   executor.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      parts[i].derive(bvh, top.open[i].binary, std::numeric_limits<std::size_t>::max());
+    for (std::size_t i = begin; i < end; ++i) parts[i].derive(bvh, top.open[i].binary);
   });
-  std::vector<std::size_t> offsets(parts.size());
-  std::size_t total = top.nodes.size();
+  std::vector<std::uint32_t> offsets(parts.size());
+  std::size_t total = top_count;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    offsets[i] = total;
-    const auto& open = top.open[i];
-    top.nodes[open.wide].child[open.slot] = std::uint32_t(total);
-    total += parts[i].nodes.size();
+    offsets[i] = std::uint32_t(total);
+    total += parts[i].items.size();
   }
   target.resize(total);
-  place_part(top, target, [](std::size_t n) { return std::uint32_t(n); });
+  place_part(bvh, top, target,
+             [&](std::uint32_t n) { return n < top_count ? n : offsets[n - top_count]; });
   executor.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      place_part(parts[i], target, [&](std::size_t n) { return std::uint32_t(offsets[i] + n); });
+      place_part(bvh, parts[i], target, [&](std::uint32_t n) { return offsets[i] + n; });
   });
 }
 
 template <int W>
 void take_boxes(const Bvh& bvh, AlignedVector<WideNode<W>>& nodes, Executor& executor) {
   executor.parallel_for(nodes.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t n = begin; n < end; ++n)
-      for (int i = 0; i < W && nodes[n].child[i] != WideChild::none; ++i)
-        set_box(nodes[n], i, bvh.nodes[nodes[n].source[i]]);
+    for (std::size_t n = begin; n < end; ++n) gather_boxes(bvh, nodes[n]);
   });
 }
 
@@ -58,7 +53,7 @@ void take_boxes_of(const Bvh& bvh, std::span<const std::uint32_t> sources,
       WideNode<W>& node = target.nodes[target.ledger.owner[source / 2]];
       for (int i = 0; i < W; ++i)
         if (node.source[i] == source && node.child[i] != WideChild::none)
-          set_box(node, i, bvh.nodes[source]);
+          node.set_box(i, bvh.nodes[source]);
     }
   });
 }

@@ -35,6 +35,13 @@ struct alignas(64) WideNode {
   std::uint32_t child[W];
   /// The binary node behind each slot, from which a refit takes the box.
   std::uint32_t source[W];
+
+  void set_box(int slot, const Node& box) {
+    for (int k = 0; k < 3; ++k) {
+      bounds[k][slot] = box.lo[k];
+      bounds[3 + k][slot] = box.hi[k];
+    }
+  }
 };
 
 /// Where the nodes of a binary tree are in its wide layout: what a partial update goes by. An

@@ -1,7 +1,6 @@
 #include "regraft/bvh/wide_update.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace regraft::bvh {
 
@@ -54,7 +53,7 @@ void WideUpdate<W>::visit(std::uint32_t wide, std::uint32_t binary) {
     WideNode<W>& node = nodes_[wide];
     const std::uint32_t child = node.child[i];
     if (child == WideChild::none) continue;
-    set_box(node, i, bvh_.nodes[node.source[i]]);
+    node.set_box(i, bvh_.nodes[node.source[i]]);
     if (!WideChild::is_leaf(child) && marks_[child] != untouched) visit(child, node.source[i]);
   }
 }
@@ -68,7 +67,7 @@ void WideUpdate<W>::remake(std::uint32_t wide, std::uint32_t binary) {
   treelet.open_largest(bvh_, [&](std::uint32_t slot) { return rooted(slot) == none; });
   absorb(treelet);
   fill_slots(bvh_, treelet, nodes_[wide]);
-  ledger_.root[wide] = treelet.count > 1 ? treelet.opened[0] : 0;
+  ledger_.root[wide] = treelet.root_pair();
   link(wide, treelet);
 }
 
@@ -85,20 +84,20 @@ void WideUpdate<W>::detach_children(std::uint32_t wide) {
 template <int W>
 void WideUpdate<W>::absorb(Treelet<W>& treelet) {
   for (;;) {
-    int best = -1;
+    std::uint32_t best = W;
     double best_area = -1.0;
-    for (int i = 0; i < treelet.count; ++i) {
+    for (std::uint32_t i = 0; i < treelet.count; ++i) {
       const Node& node = bvh_.nodes[treelet.slots[i]];
       const std::uint32_t wide = node.leaf() ? none : rooted(treelet.slots[i]);
       if (wide == none || marks_[wide] == dirty) continue;
       const auto& child = nodes_[wide].child;
-      const auto count = std::find(child, child + W, WideChild::none) - child;
+      const auto count = std::uint32_t(std::find(child, child + W, WideChild::none) - child);
       const double area = half_area(node.bounds());
       if (treelet.count + count - 1 > W || area <= best_area) continue;
       best = i;
       best_area = area;
     }
-    if (best < 0) return;
+    if (best == W) return;
     const std::uint32_t taken = rooted(treelet.slots[best]);
     ledger_.root[taken] = none;
     ledger_.parent[taken] = none;
@@ -114,13 +113,13 @@ void WideUpdate<W>::absorb(Treelet<W>& treelet) {
 /// new ones.
 template <int W>
 void WideUpdate<W>::link(std::uint32_t wide, const Treelet<W>& treelet) {
-  for (int i = 0; i + 1 < treelet.count; ++i) ledger_.owner[treelet.opened[i] / 2] = wide;
-  for (int i = 0; i < treelet.count; ++i) {
+  for (std::uint32_t i = 0; i + 1 < treelet.count; ++i) ledger_.owner[treelet.opened[i] / 2] = wide;
+  for (std::uint32_t i = 0; i < treelet.count; ++i) {
     const Node& node = bvh_.nodes[treelet.slots[i]];
     if (node.leaf()) continue;
     std::uint32_t child = rooted(treelet.slots[i]);
     if (child == none && ledger_.owner[node.first / 2] == fresh) {
-      fresh_.push_back({wide, std::uint32_t(i), treelet.slots[i]});
+      fresh_.push_back({wide, i, treelet.slots[i]});
       continue;
     }
     if (child == none) {
@@ -151,19 +150,18 @@ template <int W>
 void WideUpdate<W>::derive_fresh() {
   std::vector<WidePart<W>> parts(fresh_.size());
   executor_.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      parts[i].derive(bvh_, fresh_[i].binary, std::numeric_limits<std::size_t>::max());
+    for (std::size_t i = begin; i < end; ++i) parts[i].derive(bvh_, fresh_[i].binary);
   });
   std::vector<std::vector<std::uint32_t>> places(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    places[i].resize(parts[i].nodes.size());
+    places[i].resize(parts[i].items.size());
     for (std::uint32_t& place : places[i]) place = allocate();
     nodes_[fresh_[i].wide].child[fresh_[i].slot] = places[i][0];
     ledger_.parent[places[i][0]] = fresh_[i].wide;
   }
   executor_.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      place_part(parts[i], WideTarget<W>{nodes_, ledger_},
+      place_part(bvh_, parts[i], WideTarget<W>{nodes_, ledger_},
                  [&](std::size_t n) { return places[i][n]; });
   });
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "regraft/bvh/wide_slots.h"
 #include "regraft/bvh/wide_treelet.h"
 
 namespace regraft::bvh {
@@ -20,20 +21,27 @@ struct WideTarget {
   }
 };
 
-/// Moves the nodes of a part to where `place(number in the part)` says. Only its root's parent is
-/// left to the caller.
+/// Writes the nodes of a part, that of number i to where `place(i)` says, and the ledger about
+/// them. Only the parent of number 0 is left to the caller.
 template <int W, typename F>
-void place_part(const WidePart<W>& part, const WideTarget<W>& target, const F& place) {
-  auto opened = part.opened.begin();
-  for (std::size_t n = 0; n < part.nodes.size(); ++n) {
+void place_part(const Bvh& bvh, const WidePart<W>& part, const WideTarget<W>& target,
+                const F& place) {
+  constexpr std::size_t ahead = 4;
+  for (std::uint32_t n = 0; n < part.items.size(); ++n) {
+    if (n + ahead < part.items.size())
+      for (const std::uint32_t slot : part.items[n + ahead].treelet.slots)
+        __builtin_prefetch(bvh.nodes.data() + slot);
+    const Treelet<W>& treelet = part.items[n].treelet;
+    std::uint32_t next = part.items[n].first_child;
     const std::uint32_t at = place(n);
-    WideNode<W>& node = target.nodes[at] = part.nodes[n];
-    // A tree of one leaf opens nothing; no node has 0 for a child.
-    target.ledger.root[at] = part.nodes[n].child[1] == WideChild::none ? 0 : *opened;
-    for (int i = 0; i < W && node.child[i] != WideChild::none; ++i) {
-      if (i > 0) target.ledger.owner[*opened++ / 2] = at;
-      if (WideChild::is_leaf(node.child[i])) continue;
-      node.child[i] = place(node.child[i]);
+    WideNode<W>& node = target.nodes[at];
+    fill_slots(bvh, treelet, node);
+    target.ledger.root[at] = treelet.root_pair();
+    for (std::uint32_t i = 0; i + 1 < treelet.count; ++i)
+      target.ledger.owner[treelet.opened[i] / 2] = at;
+    for (std::uint32_t i = 0; i < treelet.count; ++i) {
+      if (bvh.nodes[treelet.slots[i]].leaf()) continue;
+      node.child[i] = place(next++);
       target.ledger.parent[node.child[i]] = at;
     }
   }
@@ -82,7 +90,13 @@ class WideUpdate {
   Executor& executor_;
   std::vector<Mark> marks_;
   std::vector<std::uint32_t> detached_;
-  std::vector<typename WidePart<W>::Open> fresh_;
+  /// Slots whose wide nodes are still to be derived.
+  struct Fresh {
+    std::uint32_t wide;
+    std::uint32_t slot;
+    std::uint32_t binary;
+  };
+  std::vector<Fresh> fresh_;
 };
 
 extern template class WideUpdate<4>;

@@ -29,6 +29,16 @@ REGRAFT_INLINE Float<4> load_point(const float* p) {
 #endif
 }
 
+/// Rows become columns.
+REGRAFT_INLINE void transpose(Float<4> (&row)[4]) {
+#if defined(__SSE2__) && !defined(REGRAFT_SIMD_SCALAR)
+  _MM_TRANSPOSE4_PS(row[0].v, row[1].v, row[2].v, row[3].v);
+#else
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < i; ++k) std::swap(row[i].lane[k], row[k].lane[i]);
+#endif
+}
+
 /// Points `points[3·index[i]]` of a packed x, y, z array.
 REGRAFT_INLINE Points4 gather_points(const float* points, const std::uint32_t* index) {
 #if defined(__SSE2__) && !defined(REGRAFT_SIMD_SCALAR)
