@@ -99,10 +99,16 @@ class DepsgraphReader:
         listing, old = _read_listing(depsgraph), self._listing
         self._listing = listing
         is_same = is_same and old is not None and listing.lists_the_same(old)
-        if is_same and not updates.is_structural and self.objects.read_deformed(updates, delta):
+        if is_same and not updates.is_structural and self._reads_alone(updates, delta):
             self.table.move(listing.matrices, delta)
         else:
             self._walk(depsgraph, listing, view, delta)
+
+    def _reads_alone(self, updates: Updates, delta: SceneDelta) -> bool:
+        """Read the objects that changed one by one, unless that cannot be enough."""
+        if updates.is_scene and not self.objects.knows_all(updates.objects):
+            return False
+        return self.objects.read_deformed(updates, delta)
 
     def _walk(
         self,

@@ -60,6 +60,10 @@ class ObjectList:
         self.known: dict[int, Source | None] = {}
         self._set_indices: dict[tuple[int, ...], int] = {}
 
+    def knows_all(self, objects: list[bpy.types.Object]) -> bool:
+        """True if each that may be seen was there when the list was last walked."""
+        return all(ob.original.as_pointer() in self.known or not _may_show(ob) for ob in objects)
+
     def read_deformed(self, updates: Updates, delta: SceneDelta) -> bool:
         """Read the objects that changed, if all of them are still what they were. If not, return
         False: the whole list has to be walked."""

@@ -7,17 +7,20 @@ from dataclasses import dataclass, field
 import bpy
 import numpy as np
 
-# A change of one of these may bring objects in or out.
-STRUCTURAL = (bpy.types.Scene, bpy.types.Collection)
-
 
 @dataclass
 class Updates:
     """One reading of `depsgraph.updates`. Addresses are of original data-blocks; the lists hold
-    evaluated ones, valid within the frame's callback only."""
+    evaluated ones, valid within the frame's callback only.
+
+    `is_structural`: a collection changed, so that objects may have come or gone. `is_scene`: the
+    scene itself is flagged, which many files are in every frame; objects that came with it are
+    flagged too. `is_empty`: nothing else is.
+    """
 
     is_empty: bool = True
     is_structural: bool = False
+    is_scene: bool = False
     geometry: set[int] = field(default_factory=set)
     objects: list[bpy.types.Object] = field(default_factory=list)
     materials: list[bpy.types.Material] = field(default_factory=list)
@@ -33,11 +36,12 @@ def read_updates(depsgraph: bpy.types.Depsgraph) -> Updates:
     """
     entries = depsgraph.updates
     count = len(entries)
-    updates = Updates(is_empty=count == 0)
+    updates = Updates()
     geometry, transform = np.empty(count, np.bool_), np.empty(count, np.bool_)
     entries.foreach_get("is_updated_geometry", geometry)
     entries.foreach_get("is_updated_transform", transform)
     wanted = geometry | ~transform
+    updates.is_empty = bool(wanted.all())
     for entry, is_wanted, is_geometry in zip(
         entries, wanted.tolist(), geometry.tolist(), strict=True
     ):
@@ -47,11 +51,15 @@ def read_updates(depsgraph: bpy.types.Depsgraph) -> Updates:
 
 
 def _sort_in(updates: Updates, block: bpy.types.ID, is_geometry: bool) -> None:
+    if isinstance(block, bpy.types.Scene):
+        updates.is_scene = True
+        return
+    updates.is_empty = False
     if isinstance(block, bpy.types.Material):
         updates.materials.append(block)
     elif isinstance(block, bpy.types.Light):
         updates.lights.append(block)
-    elif isinstance(block, STRUCTURAL):
+    elif isinstance(block, bpy.types.Collection):
         updates.is_structural = True
     elif isinstance(block, bpy.types.Object):
         updates.objects.append(block)
