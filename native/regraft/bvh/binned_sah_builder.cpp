@@ -5,6 +5,8 @@
 #include <cassert>
 
 #include "regraft/bvh/binning.h"
+#include "regraft/bvh/part_few.h"
+#include "regraft/bvh/subtrees.h"
 
 namespace regraft::bvh {
 
@@ -45,13 +47,14 @@ class Build {
     if (ids_.empty()) return bvh;
     const Range root = fill();
     std::vector<Open> tasks = build_top(bvh.nodes, root);
-    std::vector<AlignedVector<Node>> parts(tasks.size());
-    std::vector<std::uint32_t> depths(tasks.size(), 0);
+    std::vector<Subtree> parts(tasks.size());
     executor_.parallel_for(tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) depths[i] = build_subtree(tasks[i].range, parts[i]);
+      for (std::size_t i = begin; i < end; ++i) {
+        parts[i].node = tasks[i].node;
+        parts[i].depth = build_subtree(tasks[i].range, parts[i].nodes);
+      }
     });
-    splice(bvh, tasks, parts);
-    bvh.depth = *std::max_element(depths.begin(), depths.end());
+    splice(bvh, parts, executor_);
     bvh.prim_ids.resize(refs_.size());
     for (std::size_t i = 0; i < refs_.size(); ++i) bvh.prim_ids[i] = refs_[i].id;
     return bvh;
@@ -95,18 +98,15 @@ class Build {
         tasks.push_back(item);
         continue;
       }
-      const std::uint32_t first = make_inner(nodes, item);
+      const std::uint32_t first = open_node(nodes, item);
       open.push_back({first + 1, right});
       open.push_back({first, left});
     }
     return tasks;
   }
 
-  static std::uint32_t make_inner(AlignedVector<Node>& nodes, const Open& item) {
-    const auto first = std::uint32_t(nodes.size());
-    nodes.resize(nodes.size() + 2);
-    nodes[item.node].first = first;
-    nodes[item.node].count = 0;
+  static std::uint32_t open_node(AlignedVector<Node>& nodes, const Open& item) {
+    const std::uint32_t first = make_inner(nodes, item.node);
     nodes[item.node].set_bounds(item.range.bounds);
     return first;
   }
@@ -130,53 +130,56 @@ class Build {
         depth = std::max(depth, item.range.depth);
         continue;
       }
-      const std::uint32_t first = make_inner(nodes, item);
+      const std::uint32_t first = open_node(nodes, item);
       open.push_back({first + 1, right});
       open.push_back({first, left});
     }
     return depth;
   }
 
-  void splice(Bvh& bvh, const std::vector<Open>& tasks,
-              const std::vector<AlignedVector<Node>>& parts) {
-    std::vector<std::size_t> offsets(parts.size());
-    std::size_t total = bvh.nodes.size();
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      offsets[i] = total;
-      total += parts[i].size() - 2;
-    }
-    bvh.nodes.resize(total);
-    executor_.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const auto shift = std::uint32_t(offsets[i] - 2);
-        for (std::size_t n = 0; n < parts[i].size(); ++n) {
-          if (n == 1) continue;
-          Node node = parts[i][n];
-          if (!node.leaf()) node.first += shift;
-          bvh.nodes[n == 0 ? tasks[i].node : shift + n] = node;
-        }
-      }
-    });
-  }
-
   /// False: the range becomes a leaf.
   bool split(const Range& range, Range& left, Range& right) {
     const std::uint32_t n = range.size();
+    // However good a split is, its node costs one test.
+    if (n <= config_.max_leaf && n * config_.cost.leaf <= 1.0) return false;
     if (n == 1) return false;
     if (running_out_of_depth(range))
       return n > config_.max_leaf && median_split(range, left, right);
+    if (n <= FewParted::most) return split_few(range, left, right);
     const BinMapping mapping(range.centroids, n);
     BinSet bins(mapping.count());
     bin(range, mapping, bins);
-    const Split best = best_split(bins, mapping);
-    const double area = half_area(range.bounds);
-    const double leaf_cost = n * config_.cost.leaf;
-    const double split_cost = area > 0.0 ? 1.0 + config_.cost.leaf * best.cost / area : leaf_cost;
-    if (n <= config_.max_leaf && !(split_cost < leaf_cost)) return false;
+    const Split best = best_split(bins, mapping, n);
+    if (n <= config_.max_leaf && !pays(range, best.cost)) return false;
     if (best.axis < 0) return n > config_.max_leaf && median_split(range, left, right);
     const Partitioned parts = partition(range, mapping, best);
-    left = {range.begin, parts.middle, range.depth + 1, best.left, parts.left.aabb()};
-    right = {parts.middle, range.end, range.depth + 1, best.right, parts.right.aabb()};
+    left = {range.begin, parts.middle, range.depth + 1, bins.bounds(best.axis, 0, best.bin).aabb(),
+            parts.left.aabb()};
+    right = {parts.middle, range.end, range.depth + 1,
+             bins.bounds(best.axis, best.bin, mapping.count()).aabb(), parts.right.aabb()};
+    return true;
+  }
+
+  /// Whether a split with that Σ area·count costs less than a leaf.
+  bool pays(const Range& range, double cost) const {
+    const double area = half_area(range.bounds);
+    return area > 0.0 && 1.0 + config_.cost.leaf * cost / area < range.size() * config_.cost.leaf;
+  }
+
+  bool split_few(const Range& range, Range& left, Range& right) {
+    PrimRef* refs = refs_.data() + range.begin;
+    const FewParted parted({refs, range.size()});
+    if (range.size() <= config_.max_leaf && !pays(range, parted.cost)) return false;
+    PrimRef sorted[FewParted::most];
+    std::uint32_t l = 0, r = std::uint32_t(std::popcount(parted.left));
+    const std::uint32_t middle = range.begin + r;
+    for (std::uint32_t i = 0; i < range.size(); ++i)
+      sorted[(parted.left >> i & 1) != 0 ? l++ : r++] = refs[i];
+    std::copy(sorted, sorted + range.size(), refs);
+    left = {range.begin, middle, range.depth + 1, parted.left_box.aabb(),
+            centroids(range.begin, middle).aabb()};
+    right = {middle, range.end, range.depth + 1, parted.right_box.aabb(),
+             centroids(middle, range.end).aabb()};
     return true;
   }
 
@@ -201,29 +204,44 @@ class Build {
 
   Partitioned partition(const Range& range, const BinMapping& mapping, const Split& best) {
     const auto goes_left = [&](const PrimRef& ref) {
-      return mapping.bin(ref.centroid(best.axis), best.axis) < best.bin;
+      return mapping.is_below(ref, best.axis, best.bin);
     };
-    return range.size() < parallel_size ? partition_serial(range, goes_left)
+    thread_local AlignedVector<PrimRef> spare;
+    return range.size() < parallel_size ? partition_serial(range, goes_left, spare)
                                         : partition_parallel(range, goes_left);
   }
 
+  /// Every primitive is written to where either side goes on, and one of the two moves on: no
+  /// processor could guess a branch here. The order within the sides stays.
   template <typename F>
-  Partitioned partition_serial(const Range& range, const F& goes_left) {
-    Partitioned result;
-    std::uint32_t i = range.begin;
-    std::uint32_t j = range.end;
-    while (i < j) {
-      const Float4 c = refs_[i].centroid4();
-      if (goes_left(refs_[i])) {
-        result.left.extend(c, c);
-        ++i;
-      } else {
-        result.right.extend(c, c);
-        std::swap(refs_[i], refs_[--j]);
-      }
+  Partitioned partition_serial(const Range& range, const F& goes_left,
+                               AlignedVector<PrimRef>& spare) {
+    if (spare.size() < range.size()) spare.resize(range.size());
+    PrimRef* left = refs_.data() + range.begin;
+    PrimRef* right = spare.data();
+    for (const PrimRef *ref = left, *end = refs_.data() + range.end; ref < end; ++ref) {
+      const PrimRef copy = *ref;
+      const bool is_left = goes_left(copy);
+      *left = copy;
+      *right = copy;
+      left += is_left;
+      right += !is_left;
     }
-    result.middle = i;
+    Partitioned result;
+    result.middle = std::uint32_t(left - refs_.data());
+    std::copy(spare.data(), right, left);
+    result.left = centroids(range.begin, result.middle);
+    result.right = centroids(result.middle, range.end);
     return result;
+  }
+
+  Box4 centroids(std::uint32_t begin, std::uint32_t end) const {
+    Box4 box;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const Float4 c = refs_[i].centroid4();
+      box.extend(c, c);
+    }
+    return box;
   }
 
   /// Counts, then scatters each chunk to its place: the order does not depend on the threads.

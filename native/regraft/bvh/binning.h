@@ -44,17 +44,18 @@ class BinMapping {
   }
   int count() const { return bins_; }
   bool usable(int axis) const { return usable_[axis]; }
-  int bin(float centroid, int axis) const {
-    return clamp((centroid - offset_[axis]) * scale_[axis]);
+  /// bins(ref)[axis] < bin, without rounding: bins begin at whole numbers.
+  bool is_below(const PrimRef& ref, int axis, int bin) const {
+    return !((ref.centroid(axis) - offset_[axis]) * scale_[axis] >= float(bin));
   }
   std::array<int, 3> bins(const PrimRef& ref) const {
     alignas(16) float t[4];
-    ((ref.centroid4() - Float4::load(offset_)) * Float4::load(scale_)).store(t);
-    return {clamp(t[0]), clamp(t[1]), clamp(t[2])};
+    const Float4 scaled = (ref.centroid4() - Float4::load(offset_)) * Float4::load(scale_);
+    min(max(scaled, Float4(0.0f)), Float4(float(bins_ - 1))).store(t);
+    return {int(t[0]), int(t[1]), int(t[2])};
   }
 
  private:
-  int clamp(float t) const { return t > 0.0f ? (t < float(bins_ - 1) ? int(t) : bins_ - 1) : 0; }
   alignas(16) float offset_[4]{};
   alignas(16) float scale_[4]{};
   bool usable_[3]{};
@@ -63,20 +64,19 @@ class BinMapping {
 
 /// What the bins hold; merging is exact, so the order of merging does not matter.
 struct BinSet {
-  /// Bins beyond `used` are not touched, not even to empty them.
+  /// Boxes of bins beyond `used` are not touched, not even to empty them.
   explicit BinSet(int used) : used_(used) {
     for (int k = 0; k < 3; ++k)
       for (int i = 0; i < used; ++i) {
         box[k][i].lo = Float4(std::numeric_limits<float>::infinity());
         box[k][i].hi = Float4(-std::numeric_limits<float>::infinity());
-        count[k][i] = 0;
       }
   }
   struct Bounds {
     Float4 lo, hi;
   };
   Bounds box[3][max_bins];
-  std::uint32_t count[3][max_bins];
+  std::uint32_t count[3][max_bins] = {};
 
   void add(const BinMapping& mapping, std::span<const PrimRef> refs) {
     for (const PrimRef& ref : refs) {
@@ -90,6 +90,12 @@ struct BinSet {
         ++count[k][b[k]];
       }
     }
+  }
+  /// Box of the bins from `begin` to before `end` on an axis.
+  Box4 bounds(int axis, int begin, int end) const {
+    Box4 all;
+    for (int i = begin; i < end; ++i) all.extend(box[axis][i].lo, box[axis][i].hi);
+    return all;
   }
   void merge(const BinSet& other) {
     for (int k = 0; k < 3; ++k)
@@ -109,9 +115,9 @@ struct Split {
   int axis = -1;
   int bin = 0;                                            ///< bins below it go left
   double cost = std::numeric_limits<double>::infinity();  ///< Σ area·count of both sides
-  Aabb left, right;
 };
 
-Split best_split(const BinSet& bins, const BinMapping& mapping);
+/// The best split of `size` primitives in bins.
+Split best_split(const BinSet& bins, const BinMapping& mapping, std::uint32_t size);
 
 }  // namespace regraft::bvh

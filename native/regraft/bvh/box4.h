@@ -25,6 +25,15 @@ struct Box4 {
     hi = max(other_hi, hi);
   }
   void extend(const Box4& other) { extend(other.lo, other.hi); }
+  /// As `half_area` of core/aabb.h, for boxes that are not empty.
+  double half_area() const {
+    alignas(16) float l[4], h[4];
+    lo.store(l);
+    hi.store(h);
+    const double x = double(h[0]) - double(l[0]), y = double(h[1]) - double(l[1]),
+                 z = double(h[2]) - double(l[2]);
+    return x * y + y * z + z * x;
+  }
   Aabb aabb() const {
     alignas(16) float l[4], h[4];
     lo.store(l);

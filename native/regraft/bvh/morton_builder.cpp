@@ -7,6 +7,7 @@
 
 #include "regraft/bvh/box4.h"
 #include "regraft/bvh/radix_sort.h"
+#include "regraft/bvh/subtrees.h"
 
 namespace regraft::bvh {
 
@@ -85,15 +86,17 @@ class Build {
     if (ids_.empty()) return bvh;
     sort();
     build_top(bvh.nodes);
-    top_size_ = bvh.nodes.size();
+    const std::size_t top_size = bvh.nodes.size();
     bvh.prim_ids.resize(items_.size());
     parts_.resize(tasks_.size());
     executor_.parallel_for(tasks_.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t i = begin; i < end; ++i) {
+        parts_[i].node = tasks_[i].node;
         build_part(tasks_[i].range, parts_[i], bvh.prim_ids.data());
+      }
     });
-    splice(bvh);
-    close_top(bvh);
+    splice(bvh, parts_, executor_);
+    close_top(bvh, top_size);
     return bvh;
   }
 
@@ -101,11 +104,6 @@ class Build {
   struct Task {
     std::uint32_t node;
     Range range;
-  };
-  /// A subtree; node 0 is its root, node 1 unused.
-  struct Part {
-    AlignedVector<Node> nodes;
-    std::uint32_t depth = 0;
   };
 
   void sort() {
@@ -144,14 +142,6 @@ class Build {
     return hi;
   }
 
-  static std::uint32_t make_inner(AlignedVector<Node>& nodes, std::uint32_t node) {
-    const auto first = std::uint32_t(nodes.size());
-    nodes.resize(nodes.size() + 2);
-    nodes[node].first = first;
-    nodes[node].count = 0;
-    return first;
-  }
-
   /// Splits down to the size of a task.
   void build_top(AlignedVector<Node>& nodes) {
     const std::size_t task_size = std::max<std::size_t>(4096, ids_.size() / 64);
@@ -187,7 +177,7 @@ class Build {
   /// One walk along the curve, with a stack of subtrees whose siblings are still to come: a
   /// subtree is joined to the one before it as soon as the gap after it is the wider one (Apetrei,
   /// Fast and Simple Agglomerative LBVH Construction, CGVC 2014, without its atomics).
-  void build_part(const Range& range, Part& part, std::uint32_t* prim_ids) const {
+  void build_part(const Range& range, Subtree& part, std::uint32_t* prim_ids) const {
     part.nodes.reserve(2 + range.size());
     part.nodes.resize(2);
     Open stack[max_depth + 4];
@@ -211,7 +201,7 @@ class Build {
   }
 
   /// Adds `left` to `right`, the subtree after it.
-  void join(const Open& left, Open& right, Part& part) const {
+  void join(const Open& left, Open& right, Subtree& part) const {
     if (left.prims + right.prims > config_.max_leaf) {
       const auto first = std::uint32_t(part.nodes.size());
       part.nodes.resize(first + 2);
@@ -234,48 +224,13 @@ class Build {
     node.count = open.prims <= config_.max_leaf ? open.prims : 0;
   }
 
-  void splice(Bvh& bvh) {
-    std::vector<std::size_t> offsets(parts_.size());
-    std::size_t total = bvh.nodes.size();
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      offsets[i] = total;
-      total += parts_[i].nodes.size() - 2;
-      bvh.depth = std::max(bvh.depth, parts_[i].depth);
-    }
-    bvh.nodes.resize(total);
-    executor_.parallel_for(parts_.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const auto shift = std::uint32_t(offsets[i] - 2);
-        const AlignedVector<Node>& nodes = parts_[i].nodes;
-        for (std::size_t n = 0; n < nodes.size(); ++n) {
-          if (n == 1) continue;
-          Node node = nodes[n];
-          if (!node.leaf()) node.first += shift;
-          bvh.nodes[n == 0 ? tasks_[i].node : shift + n] = node;
-        }
-      }
-    });
-  }
-
-  /// Boxes of the nodes above the tasks: parents come before their children there.
-  void close_top(Bvh& bvh) const {
-    for (std::size_t n = top_size_; n-- > 0;) {
-      Node& node = bvh.nodes[n];
-      if (n == 1 || node.leaf() || node.first >= top_size_) continue;
-      Aabb box = bvh.nodes[node.first].bounds();
-      box.extend(bvh.nodes[node.first + 1].bounds());
-      node.set_bounds(box);
-    }
-  }
-
   std::span<const Aabb> boxes_;
   std::span<const std::uint32_t> ids_;
   const MortonBuilder::Config& config_;
   Executor& executor_;
   AlignedVector<KeyedId> items_;
   std::vector<Task> tasks_;
-  std::vector<Part> parts_;
-  std::size_t top_size_ = 0;
+  std::vector<Subtree> parts_;
 };
 
 }  // namespace
