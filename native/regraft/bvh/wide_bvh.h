@@ -68,6 +68,8 @@ struct Reshaping {
   std::vector<std::uint32_t> rebuilt;
   /// Nodes that hold what another node held, and leaves that hold other primitives.
   std::vector<std::uint32_t> replaced;
+  /// First nodes of pairs that are new, or used again, above what is not new.
+  std::vector<std::uint32_t> new_pairs;
 };
 
 /// The layout that rays traverse (Wald, Benthin, Boulos, Getting Rid of Packets, RT 2008):

@@ -13,6 +13,7 @@ void WideUpdate<W>::run(const Reshaping& changes) {
   executor_.parallel_for(changes.rebuilt.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) disown(changes.rebuilt[i]);
   });
+  for (const std::uint32_t pair : changes.new_pairs) ledger_.owner[pair / 2] = none;
   if (marks_[0] != untouched) visit(0, 0);
   derive_fresh();
   release_detached();

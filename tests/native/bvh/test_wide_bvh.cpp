@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <set>
 
 #include "bvh/boxes.h"
 #include "bvh/trees.h"
+#include "bvh/wide_check.h"
 #include "regraft/bvh/rotate.h"
 
 namespace regraft::test {
@@ -16,84 +16,6 @@ using bvh::Bvh;
 using bvh::WideBvh;
 using bvh::WideChild;
 using bvh::WideNode;
-
-template <int W>
-Aabb slot_box(const WideNode<W>& node, int slot) {
-  const auto plane = [&](int k) { return node.bounds[k][slot]; };
-  return {Vec3(plane(0), plane(1), plane(2)), Vec3(plane(3), plane(4), plane(5))};
-}
-
-/// Walks a wide tree and collects what is wrong with it.
-template <int W>
-class Check {
- public:
-  Check(const WideBvh& wide, const Bvh& bvh) : wide_(wide), bvh_(bvh) {}
-
-  std::string flaw() {
-    visit(0);
-    if (flaw_.empty() && nodes_.size() + wide_.free_count() != wide_.node_count())
-      flaw_ = "nodes are not reached";
-    std::set<std::uint32_t> leaves;
-    collect_leaves(0, leaves);
-    if (flaw_.empty() && leaves_ != leaves) flaw_ = "leaves are missing";
-    return flaw_;
-  }
-
- private:
-  void collect_leaves(std::uint32_t n, std::set<std::uint32_t>& leaves) const {
-    if (bvh_.nodes[n].leaf()) {
-      leaves.insert(n);
-      return;
-    }
-    for (std::uint32_t side = 0; side < 2; ++side)
-      collect_leaves(bvh_.nodes[n].first + side, leaves);
-  }
-
-  void visit(std::uint32_t index) {
-    if (index >= wide_.node_count() || !nodes_.insert(index).second) {
-      flaw_ = "a node is reached twice or out of range";
-      return;
-    }
-    const WideNode<W>& node = wide_.nodes<W>()[index];
-    bool ended = false;
-    for (int i = 0; i < W && flaw_.empty(); ++i) {
-      ended |= node.child[i] == WideChild::none;
-      if (ended)
-        check_unused(node, i);
-      else
-        check_used(node, i);
-    }
-  }
-
-  void check_unused(const WideNode<W>& node, int slot) {
-    if (node.child[slot] != WideChild::none) flaw_ = "an unused slot lies between used ones";
-    if (!slot_box(node, slot).empty()) flaw_ = "an unused slot has a box";
-  }
-
-  void check_used(const WideNode<W>& node, int slot) {
-    const bvh::Node& source = bvh_.nodes[node.source[slot]];
-    if (!(slot_box(node, slot) == source.bounds())) flaw_ = "a box is not that of the binary tree";
-    const std::uint32_t child = node.child[slot];
-    if (!WideChild::is_leaf(child)) {
-      if (source.leaf()) flaw_ = "a leaf became an inner node";
-      visit(child);
-      return;
-    }
-    if (!source.leaf() || WideChild::begin(child) != source.first ||
-        WideChild::count(child) != source.count)
-      flaw_ = "a leaf's range is not that of the binary tree";
-    if (!leaves_.insert(node.source[slot]).second) flaw_ = "a leaf is there twice";
-  }
-
-  const WideBvh& wide_;
-  const Bvh& bvh_;
-  std::set<std::uint32_t> nodes_, leaves_;
-  std::string flaw_;
-};
-
-std::string flaw(const WideBvh& wide, const Bvh& bvh) {
-  return wide.width() == 8 ? Check<8>(wide, bvh).flaw() : Check<4>(wide, bvh).flaw();
-}
 
 template <int W>
 bool same_nodes(const WideBvh& a, const WideBvh& b) {
