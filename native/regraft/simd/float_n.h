@@ -96,6 +96,31 @@ REGRAFT_INLINE Float<N> max(const Float<N>& a, const Float<N>& b) {
   return r;
 }
 
+template <int N>
+REGRAFT_INLINE float lowest_lane(const Float<N>& a) {
+  alignas(64) float lane[N];
+  a.store(lane);
+  for (int half = N / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) lane[i] = lane[i + half] < lane[i] ? lane[i + half] : lane[i];
+  return lane[0];
+}
+template <int N>
+REGRAFT_INLINE float highest_lane(const Float<N>& a) {
+  alignas(64) float lane[N];
+  a.store(lane);
+  for (int half = N / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) lane[i] = lane[i + half] > lane[i] ? lane[i + half] : lane[i];
+  return lane[0];
+}
+
+/// Bit i: lane i has the sign bit.
+template <int N>
+REGRAFT_INLINE LaneBits sign_bits(const Float<N>& a) {
+  LaneBits r = 0;
+  for (int i = 0; i < N; ++i) r |= LaneBits(std::signbit(a.lane[i])) << i;
+  return r;
+}
+
 #if defined(__SSE2__) && !defined(REGRAFT_SIMD_SCALAR)
 template <>
 struct Float<4> {
@@ -126,6 +151,9 @@ REGRAFT_INLINE LaneBits operator<=(Float<4> a, Float<4> b) {
 }
 REGRAFT_INLINE LaneBits operator==(Float<4> a, Float<4> b) {
   return LaneBits(_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v)));
+}
+REGRAFT_INLINE LaneBits sign_bits(Float<4> a) {
+  return LaneBits(_mm_movemask_ps(a.v));
 }
 REGRAFT_INLINE Float<4> min(Float<4> a, Float<4> b) {
   return _mm_min_ps(a.v, b.v);
@@ -166,6 +194,9 @@ REGRAFT_INLINE LaneBits operator<=(Float<8> a, Float<8> b) {
 REGRAFT_INLINE LaneBits operator==(Float<8> a, Float<8> b) {
   return LaneBits(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ)));
 }
+REGRAFT_INLINE LaneBits sign_bits(Float<8> a) {
+  return LaneBits(_mm256_movemask_ps(a.v));
+}
 REGRAFT_INLINE Float<8> min(Float<8> a, Float<8> b) {
   return _mm256_min_ps(a.v, b.v);
 }
@@ -205,6 +236,9 @@ REGRAFT_INLINE LaneBits operator<=(Float<16> a, Float<16> b) {
 }
 REGRAFT_INLINE LaneBits operator==(Float<16> a, Float<16> b) {
   return _mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ);
+}
+REGRAFT_INLINE LaneBits sign_bits(Float<16> a) {
+  return _mm512_movepi32_mask(_mm512_castps_si512(a.v));
 }
 REGRAFT_INLINE Float<16> min(Float<16> a, Float<16> b) {
   return _mm512_min_ps(a.v, b.v);

@@ -10,8 +10,10 @@ namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
 /// W slots a node, R rays a register.
 template <int W, int R>
 constexpr Kernels kernel_table() {
-  return {&Packets<W, R>::closest_hit, &Packets<W, R>::any_hit, &Single<W>::closest_hit,
-          &Single<W>::any_hit,         &Single<W>::brute_force, W};
+  using Together = Packets<W, R, Going::together>;
+  using Apart = Packets<W, R, Going::apart>;
+  return {&Together::closest_hit, &Together::any_hit,       &Apart::closest_hit,
+          &Apart::any_hit,        &BruteForce::closest_hit, W};
 }
 
 }  // namespace regraft::trace::REGRAFT_SIMD_NAMESPACE

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "regraft/trace/packet_nearest.h"
 #include "regraft/trace/packet_rays.h"
 #include "regraft/trace/single.h"
 
@@ -12,6 +13,9 @@ namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
 /// one. Measured: see docs/benchmarks.md.
 inline constexpr int single_below = 8;
 
+/// How the rays of a packet go through nodes.
+enum class Going { together, apart };
+
 /// 64 rays through wide nodes together (Wald et al. 2001; large packets and interval culling as
 /// in Overbeck, Ramamoorthi, Mark, Large Ray Packets for Real-time Whitted Ray Tracing, RT 2008).
 ///
@@ -20,40 +24,44 @@ inline constexpr int single_below = 8;
 template <int W, int R, bool AnyHit>
 class PacketTracer {
  public:
-  PacketTracer(const TraceView& view, const RayPacket& rays, TraceCounters& counters)
-      : view_(view), rays_(rays), counters_(counters), alive_(rays.active) {
-    for (int i = 0; i < lanes_all; ++i) {
-      best_t_[i] = rays.t_far[i];
-      best_instance_[i] = best_prim_[i] = 0xFFFFFFFFu;
-    }
-  }
+  /// `cost`, if not null, receives nodes visited plus triangles tested by each ray; this asks for
+  /// `apart`.
+  PacketTracer(const TraceView& view, const RayPacket& rays, TraceCounters& counters, Going going,
+               std::uint32_t* cost = nullptr)
+      : view_(view),
+        rays_(rays),
+        counters_(counters),
+        going_(going),
+        cost_(cost),
+        alive_(rays.active),
+        best_(rays) {}
 
   void run() {
     counters_.rays += std::uint64_t(std::popcount(alive_));
+    for (std::uint64_t todo = cost_ != nullptr ? alive_ : 0; todo != 0; todo &= todo - 1)
+      cost_[std::countr_zero(todo)] = 0;
     if (alive_ == 0 || view_.top_nodes == nullptr) return;
-    const bool agree = set_top();
     drop_invalid();
-    if (agree && view_.flat == nullptr) {
+    const bool agree = set_top();
+    if (view_.flat == nullptr && view_.instance_count == 1) {
+      // The tree over instances has nothing to decide.
+      enter_instance(view_.instances[0], alive_);
+    } else if (agree && view_.flat == nullptr && going_ == Going::together) {
+      set_intervals<R>(top_);
       walk_packet(
           static_cast<const WideNode<W>*>(view_.top_nodes), top_, alive_,
           [&](const WideNode<W>& node, int slot, std::uint64_t mask) {
             top_leaf(node, slot, mask);
           },
           [&](std::uint32_t child, int i) { single_from_top(child, i); });
-      return;
+    } else {
+      for (std::uint64_t todo = alive_; todo != 0; todo &= todo - 1)
+        single_from_top(0, std::countr_zero(todo));
     }
-    for (std::uint64_t todo = alive_; todo != 0; todo &= todo - 1)
-      single_from_top(0, std::countr_zero(todo));
   }
 
   std::uint64_t occluded() const { return rays_.active & occluded_; }
-
-  void store(HitPacket& hits) const {
-    for (std::uint64_t todo = rays_.active; todo != 0; todo &= todo - 1) {
-      const auto i = std::uint32_t(std::countr_zero(todo));
-      store_hit(hits, i, nearest(int(i)));
-    }
-  }
+  void store(HitPacket& hits) const { best_.store(rays_.active, hits); }
 
  private:
   struct Entry {
@@ -75,34 +83,33 @@ class PacketTracer {
     start_ = infinity;
     for (int i = 0; i < lanes_all; ++i)
       start_ = rays_.t_near[i] < start_ ? rays_.t_near[i] : start_;
-    if (!set_slab_packet(top_, origin, direction, view_.magnitude)) return false;
-    set_intervals(top_);
-    return true;
+    return set_slab_packet<R>(top_, origin, direction, view_.magnitude);
   }
 
+  /// `valid`, ray by ray.
   void drop_invalid() {
-    for (std::uint64_t todo = alive_; todo != 0; todo &= todo - 1) {
+    alignas(64) double length[lanes_all], reach[lanes_all];
+    for (int i = 0; i < lanes_all; ++i) length[i] = reach[i] = 0.0;
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < lanes_all; ++i) {
+        length[i] += std::fabs(rays_.direction[k][i]);
+        reach[i] += std::fabs(rays_.origin[k][i]);
+      }
+    int good = 0;
+    for (int i = 0; i < lanes_all; ++i)
+      good += (length[i] > 0.0) & (length[i] < 0x1p127) & (reach[i] < 0x1p120) &
+              (rays_.t_near[i] <= rays_.t_far[i]);
+    for (std::uint64_t todo = good == lanes_all ? 0 : alive_; todo != 0; todo &= todo - 1) {
       const int i = std::countr_zero(todo);
       if (!valid(load_ray(rays_, std::uint32_t(i)))) alive_ &= ~(std::uint64_t(1) << i);
     }
   }
 
-  Nearest nearest(int i) const {
-    return {best_t_[i], best_instance_[i], best_prim_[i], best_u_[i], best_v_[i]};
-  }
-
-  void take(int i, const Nearest& n) {
-    best_t_[i] = n.t;
-    best_instance_[i] = n.instance_id;
-    best_prim_[i] = n.prim_id;
-    best_u_[i] = n.u;
-    best_v_[i] = n.v;
-  }
-
   void finish_single(int i, const Nearest& n, const Work& work) {
     counters_.nodes_visited += work.nodes;
     counters_.triangle_tests += work.tests;
-    take(i, n);
+    if (cost_ != nullptr) cost_[i] += work.nodes + work.tests;
+    best_.take(i, n);
     if (AnyHit && n.prim_id != 0xFFFFFFFFu) occlude(std::uint64_t(1) << i);
   }
 
@@ -112,23 +119,11 @@ class PacketTracer {
   }
 
   void single_from_top(std::uint32_t child, int i) {
-    Nearest n = nearest(i);
+    Nearest n = best_.at(i);
     Work work;
     const WorldRay ray = load_ray(rays_, std::uint32_t(i));
     trace_top<W, AnyHit>(view_, ray, make_top(view_, ray), child, n, work);
     finish_single(i, n, work);
-  }
-
-  /// The largest t any living ray of `mask` still cares for.
-  float limit(std::uint64_t mask) const {
-    Float<R> largest(-infinity);
-    for (int base = 0; base < lanes_all; base += R)
-      if ((mask >> base & full) != 0) largest = max(Float<R>::load(best_t_ + base), largest);
-    alignas(64) float lanes[R];
-    largest.store(lanes);
-    float result = lanes[0];
-    for (int i = 1; i < R; ++i) result = lanes[i] > result ? lanes[i] : result;
-    return result;
   }
 
   std::uint64_t enter_slot(const SlabPacket& packet, const WideNode<W>& node, int slot,
@@ -139,7 +134,7 @@ class PacketTracer {
     for (int base = 0; base < lanes_all; base += R) {
       if ((mask >> base & full) == 0) continue;
       const LaneBits lanes = test_box<R>(packet, lo, hi, base, Float<R>::load(rays_.t_near + base),
-                                         Float<R>::load(best_t_ + base));
+                                         Float<R>::load(best_.t + base));
       entered |= std::uint64_t(lanes) << base;
     }
     return entered & mask;
@@ -175,7 +170,7 @@ class PacketTracer {
            std::uint64_t mask) {
     ++counters_.nodes_visited;
     Float<W> near;
-    LaneBits lanes = test_slots_packet(node, packet, start_, limit(mask), near);
+    LaneBits lanes = test_slots_packet(node, packet, start_, best_.template limit<R>(mask), near);
     alignas(64) float distance[W];
     near.store(distance);
     const int base = top;
@@ -192,27 +187,41 @@ class PacketTracer {
     const std::uint32_t child = node.child[slot];
     for (std::uint32_t p = 0; p < WideChild::count(child); ++p) {
       const InstanceView& instance = view_.instances[view_.top_prims[WideChild::begin(child) + p]];
-      std::uint64_t inside = mask & alive_;
-      if (std::popcount(inside) < single_below ||
-          !make_local_packet<R>(rays_, top_, instance, inside, local_))
+      const std::uint64_t inside = mask & alive_;
+      if (std::popcount(inside) < single_below)
         instance_singles(instance, inside);
-      else if (inside != 0)
-        instance_packet(instance, inside);
+      else
+        enter_instance(instance, inside);
     }
+  }
+
+  void enter_instance(const InstanceView& instance, std::uint64_t mask) {
+    const std::uint64_t remapped = make_local_packet<R>(rays_, top_, instance, mask, local_);
+    if (local_.together && going_ == Going::together && std::popcount(mask) >= single_below) {
+      instance_packet(instance, mask);
+      return;
+    }
+    for (std::uint64_t todo = mask & ~remapped; todo != 0; todo &= todo - 1) {
+      const int i = std::countr_zero(todo);
+      single_in_mesh(extract(local_, rays_, i), instance, 0, i);
+    }
+    instance_singles(instance, remapped);
   }
 
   void instance_singles(const InstanceView& instance, std::uint64_t mask) {
     for (; mask != 0; mask &= mask - 1) {
       const int i = std::countr_zero(mask);
+      SlabRay top;
+      extract_slabs(top_, i, top);
       LocalRay ray;
-      if (make_local(load_ray(rays_, std::uint32_t(i)), extract_top(top_, i), instance, ray))
+      if (make_local(load_ray(rays_, std::uint32_t(i)), top, instance, ray))
         single_in_mesh(ray, instance, 0, i);
     }
   }
 
   void single_in_mesh(const LocalRay& ray, const InstanceView& instance, std::uint32_t root,
                       int i) {
-    Nearest n = nearest(i);
+    Nearest n = best_.at(i);
     Work work;
     trace_mesh<W, AnyHit>(ray, instance, root, n, work);
     finish_single(i, n, work);
@@ -229,49 +238,60 @@ class PacketTracer {
         });
   }
 
+  /// A triangle on its way through the packet.
+  struct Corners {
+    std::uint32_t prim;
+    const float* vertex[3];
+    float lo[3], hi[3];
+  };
+
   void mesh_leaf(const InstanceView& instance, std::uint32_t child, std::uint64_t mask) {
     for (std::uint32_t p = 0; p < WideChild::count(child); ++p) {
-      const std::uint32_t prim = instance.mesh.prim_ids[WideChild::begin(child) + p];
+      Corners c;
+      c.prim = instance.mesh.prim_ids[WideChild::begin(child) + p];
+      const std::uint32_t* index = instance.mesh.triangles + 3 * std::size_t(c.prim);
+      for (int i = 0; i < 3; ++i) c.vertex[i] = instance.mesh.vertices + 3 * std::size_t(index[i]);
+      for (int k = 0; k < 3; ++k) {
+        c.lo[k] = lowest(lowest(c.vertex[0][k], c.vertex[1][k]), c.vertex[2][k]);
+        c.hi[k] = highest(highest(c.vertex[0][k], c.vertex[1][k]), c.vertex[2][k]);
+      }
       mask &= alive_;
       counters_.triangle_tests += std::uint64_t(std::popcount(mask));
       for (int base = 0; base < lanes_all; base += R)
         if ((mask >> base & full) != 0)
-          test_lanes(instance, prim, base, LaneBits(mask >> base & full));
+          test_lanes(instance, c, base, LaneBits(mask >> base & full));
     }
   }
+  static float lowest(float a, float b) { return a < b ? a : b; }
+  static float highest(float a, float b) { return a > b ? a : b; }
 
   /// One triangle against R rays; `test_triangles` with the roles exchanged.
-  void test_lanes(const InstanceView& instance, std::uint32_t prim, int base, LaneBits wanted) {
+  void test_lanes(const InstanceView& instance, const Corners& c, int base, LaneBits wanted) {
     const int axes[3] = {local_.kz == 2 ? 0 : local_.kz + 1, local_.kz == 0 ? 2 : local_.kz - 1,
                          local_.kz};
-    const std::uint32_t* corners = instance.mesh.triangles + 3 * std::size_t(prim);
-    const float* v[3];
-    for (int c = 0; c < 3; ++c) v[c] = instance.mesh.vertices + 3 * std::size_t(corners[c]);
     Float<R> relative[3][3];
     for (int k = 0; k < 3; ++k) {
       const Float<R> origin = Float<R>::load(local_.origin[axes[k]] + base);
-      for (int c = 0; c < 3; ++c) relative[c][k] = Float<R>(v[c][axes[k]]) - origin;
+      for (int i = 0; i < 3; ++i) relative[i][k] = Float<R>(c.vertex[i][axes[k]]) - origin;
     }
     const EdgeTest<R> test(
         relative[0], relative[1], relative[2], Float<R>::load(local_.shear[0] + base),
-        Float<R>::load(local_.shear[1] + base), Float<R>::load(local_.shear[2] + base));
+        Float<R>::load(local_.shear[1] + base), Float<R>::load(local_.inverse[local_.kz] + base));
     LaneBits lanes = test.hit & wanted;
     if (lanes == 0) return;
     Float<R> near(-infinity), far(infinity);
-    for (int k = 0; k < 3; ++k) {
-      const float lo = std::fmin(std::fmin(v[0][k], v[1][k]), v[2][k]);
-      const float hi = std::fmax(std::fmax(v[0][k], v[1][k]), v[2][k]);
-      widen_axis(Float<R>(local_.negative[k] ? hi : lo), Float<R>(local_.negative[k] ? lo : hi),
+    for (int k = 0; k < 3; ++k)
+      widen_axis(Float<R>(local_.negative[k] ? c.hi[k] : c.lo[k]),
+                 Float<R>(local_.negative[k] ? c.lo[k] : c.hi[k]),
                  Float<R>::load(local_.near_origin[k] + base),
                  Float<R>::load(local_.far_origin[k] + base),
                  Float<R>::load(local_.inverse[k] + base), near, far);
-    }
     const Float<R> start = Float<R>::load(rays_.t_near + base);
     const Float<R> local_t = min(far, max(near, test.t));
     const Float<R> t =
         min(Float<R>::load(local_.exit + base), max(Float<R>::load(local_.entry + base), local_t));
-    lanes &= (near <= far) & (start <= far) & (start <= t) & (t <= Float<R>::load(best_t_ + base));
-    if (lanes == 0 || lacks_area(instance.mesh, prim)) return;
+    lanes &= (near <= far) & (start <= far) & (start <= t) & (t <= Float<R>::load(best_.t + base));
+    if (lanes == 0 || lacks_area(instance.mesh, c.prim)) return;
     if (AnyHit) {
       occlude(std::uint64_t(lanes) << base);
       return;
@@ -282,56 +302,41 @@ class PacketTracer {
     (test.w / test.det).store(vs);
     for (; lanes != 0; lanes &= lanes - 1) {
       const int i = __builtin_ctz(lanes);
-      if (nearest(base + i).beaten_by(ts[i], instance.instance_id, prim))
-        take(base + i, {ts[i], instance.instance_id, prim, us[i], vs[i]});
+      if (best_.at(base + i).beaten_by(ts[i], instance.instance_id, c.prim))
+        best_.take(base + i, {ts[i], instance.instance_id, c.prim, us[i], vs[i]});
     }
   }
 
   const TraceView& view_;
   const RayPacket& rays_;
   TraceCounters& counters_;
+  Going going_;
+  std::uint32_t* cost_;
   std::uint64_t alive_;
   std::uint64_t occluded_ = 0;
   float start_ = 0.0f;
-  alignas(64) float best_t_[lanes_all];
-  alignas(64) float best_u_[lanes_all]{};
-  alignas(64) float best_v_[lanes_all]{};
-  std::uint32_t best_instance_[lanes_all];
-  std::uint32_t best_prim_[lanes_all];
+  NearestPacket best_;
   SlabPacket top_;
   LocalPacket local_;
 };
 
-/// Lanes that carry no ray get a copy of one that does, so that registers hold no rubbish.
-REGRAFT_INLINE const RayPacket& filled(const RayPacket& rays, RayPacket& copy) {
-  if (rays.active == ~std::uint64_t(0) || rays.active == 0) return rays;
-  copy = rays;
-  const int source = std::countr_zero(rays.active);
-  for (int i = 0; i < lanes_all; ++i) {
-    if ((rays.active >> i & 1u) != 0) continue;
-    for (int k = 0; k < 3; ++k) {
-      copy.origin[k][i] = rays.origin[k][source];
-      copy.direction[k][i] = rays.direction[k][source];
-    }
-    copy.t_near[i] = rays.t_near[source];
-    copy.t_far[i] = rays.t_far[source];
-  }
-  return copy;
-}
-
-template <int W, int R>
+template <int W, int R, Going going>
 struct Packets {
   static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,
                           TraceCounters& counters) {
+    closest_hit(view, rays, hits, counters, nullptr);
+  }
+  static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,
+                          TraceCounters& counters, std::uint32_t* cost) {
     RayPacket copy;
-    PacketTracer<W, R, false> tracer(view, filled(rays, copy), counters);
+    PacketTracer<W, R, false> tracer(view, filled(rays, copy), counters, going, cost);
     tracer.run();
     tracer.store(hits);
   }
   static std::uint64_t any_hit(const TraceView& view, const RayPacket& rays,
                                TraceCounters& counters) {
     RayPacket copy;
-    PacketTracer<W, R, true> tracer(view, filled(rays, copy), counters);
+    PacketTracer<W, R, true> tracer(view, filled(rays, copy), counters, going);
     tracer.run();
     return tracer.occluded();
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "regraft/trace/hit.h"
@@ -16,6 +17,8 @@ struct alignas(64) SlabPacket {
   float near_origin[3][lanes_all];
   float far_origin[3][lanes_all];
   float inverse[3][lanes_all];
+  std::uint64_t negatives[3];  ///< rays whose direction has the sign bit
+  // The rest is set if all rays agree on the signs of their directions' components.
   float near_origin_lo[3], near_origin_hi[3];
   float far_origin_lo[3], far_origin_hi[3];
   float inverse_lo[3], inverse_hi[3];
@@ -23,50 +26,62 @@ struct alignas(64) SlabPacket {
   bool bounded[3];  ///< false: some ray is parallel to the axis' planes; no interval to test
 };
 
-/// Fills the packet as `set_slabs` would, ray by ray.
-/// @return false if the rays do not agree on the sign of every direction component: such a
-/// packet is traced ray by ray.
+/// Bit i: value i has the sign bit.
+template <int R>
+REGRAFT_INLINE std::uint64_t sign_mask(const float (&values)[lanes_all]) {
+  std::uint64_t mask = 0;
+  for (int base = 0; base < lanes_all; base += R)
+    mask |= std::uint64_t(sign_bits(Float<R>::load(values + base))) << base;
+  return mask;
+}
+
+/// Fills the packet as `set_slabs` would, ray by ray, but for the intervals.
+/// @return true if the rays agree on the sign of every direction component.
+template <int R>
 REGRAFT_INLINE bool set_slab_packet(SlabPacket& packet, const float (&origin)[3][lanes_all],
                                     const float (&direction)[3][lanes_all], float magnitude) {
-  for (int k = 0; k < 3; ++k) {
-    packet.negative[k] = std::signbit(direction[k][0]);
-    bool same = true;
-    for (int i = 0; i < lanes_all; ++i) same &= std::signbit(direction[k][i]) == packet.negative[k];
-    if (!same) return false;
-  }
   alignas(64) float slack[lanes_all];
-  for (int i = 0; i < lanes_all; ++i) {
-    float largest = magnitude;
-    for (int k = 0; k < 3; ++k) {
-      const float o = std::fabs(origin[k][i]);
-      largest = o > largest ? o : largest;
-    }
-    slack[i] = box_slack * largest;
-  }
-  for (int k = 0; k < 3; ++k) {
-    const float sign = packet.negative[k] ? -1.0f : 1.0f;
+  for (int i = 0; i < lanes_all; ++i) slack[i] = magnitude;
+  for (int k = 0; k < 3; ++k)
     for (int i = 0; i < lanes_all; ++i) {
-      packet.inverse[k][i] = 1.0f / direction[k][i];
-      packet.near_origin[k][i] = origin[k][i] + sign * slack[i];
-      packet.far_origin[k][i] = origin[k][i] - sign * slack[i];
+      const float o = std::fabs(origin[k][i]);
+      slack[i] = o > slack[i] ? o : slack[i];
     }
+  for (int i = 0; i < lanes_all; ++i) slack[i] *= box_slack;
+  bool agree = true;
+  for (int k = 0; k < 3; ++k) {
+    for (int i = 0; i < lanes_all; ++i) {
+      const float outward = std::copysign(slack[i], direction[k][i]);
+      packet.inverse[k][i] = 1.0f / direction[k][i];
+      packet.near_origin[k][i] = origin[k][i] + outward;
+      packet.far_origin[k][i] = origin[k][i] - outward;
+    }
+    packet.negatives[k] = sign_mask<R>(direction[k]);
+    packet.negative[k] = packet.negatives[k] != 0;
+    agree &= packet.negatives[k] == 0 || packet.negatives[k] == ~std::uint64_t(0);
   }
-  return true;
+  return agree;
 }
 
+/// Least and largest value; one that is NaN does not count.
+template <int R>
 REGRAFT_INLINE void range_of(const float (&values)[lanes_all], float& lo, float& hi) {
-  lo = hi = values[0];
-  for (int i = 1; i < lanes_all; ++i) {
-    lo = values[i] < lo ? values[i] : lo;
-    hi = values[i] > hi ? values[i] : hi;
+  Float<R> least(infinity), largest(-infinity);
+  for (int base = 0; base < lanes_all; base += R) {
+    const Float<R> v = Float<R>::load(values + base);
+    least = min(v, least);
+    largest = max(v, largest);
   }
+  lo = lowest_lane(least);
+  hi = highest_lane(largest);
 }
 
+template <int R>
 REGRAFT_INLINE void set_intervals(SlabPacket& packet) {
   for (int k = 0; k < 3; ++k) {
-    range_of(packet.near_origin[k], packet.near_origin_lo[k], packet.near_origin_hi[k]);
-    range_of(packet.far_origin[k], packet.far_origin_lo[k], packet.far_origin_hi[k]);
-    range_of(packet.inverse[k], packet.inverse_lo[k], packet.inverse_hi[k]);
+    range_of<R>(packet.near_origin[k], packet.near_origin_lo[k], packet.near_origin_hi[k]);
+    range_of<R>(packet.far_origin[k], packet.far_origin_lo[k], packet.far_origin_hi[k]);
+    range_of<R>(packet.inverse[k], packet.inverse_lo[k], packet.inverse_hi[k]);
     packet.bounded[k] = packet.inverse_lo[k] > -infinity && packet.inverse_hi[k] < infinity;
   }
 }
@@ -104,96 +119,159 @@ REGRAFT_INLINE LaneBits test_box(const SlabPacket& packet, const float (&lo)[3],
   return near <= far;
 }
 
-/// 64 rays in an instance's object space; see `LocalRay`. Packets are never remapped.
+/// 64 rays in an instance's object space; see `LocalRay`. None of them is remapped.
 struct alignas(64) LocalPacket : SlabPacket {
   float origin[3][lanes_all];
-  float shear[3][lanes_all];
+  float direction[3][lanes_all];
   float entry[lanes_all];
   float exit[lanes_all];
+  std::uint64_t kz_is[3];
+  // The rest is set if the rays are together.
+  float shear[2][lanes_all];  ///< the third is the inverse of axis kz
   int kz;
+  bool together;  ///< they agree on signs and kz: packet traversal is possible
 };
 
-/// Takes the rays of `mask` to object space; `mask` loses those that miss the instance's box.
-/// @return false if they must be traced one by one there.
+/// `box_interval` of every ray; @return the rays that meet the box in [t_near, ∞).
 template <int R>
-REGRAFT_INLINE bool make_local_packet(const RayPacket& rays, const SlabPacket& top,
-                                      const InstanceView& instance, std::uint64_t& mask,
-                                      LocalPacket& local) {
-  std::uint64_t entered = 0;
-  for (int base = 0; base < lanes_all; base += R) {
-    Float<R> near(-infinity), far(infinity);
-    for (int k = 0; k < 3; ++k)
-      widen_axis(Float<R>(top.negative[k] ? instance.hi[k] : instance.lo[k]),
-                 Float<R>(top.negative[k] ? instance.lo[k] : instance.hi[k]),
-                 Float<R>::load(top.near_origin[k] + base),
-                 Float<R>::load(top.far_origin[k] + base), Float<R>::load(top.inverse[k] + base),
-                 near, far);
-    near.store(local.entry + base);
-    far.store(local.exit + base);
-    const LaneBits lanes = (near <= far) & (Float<R>::load(rays.t_near + base) <= far);
-    entered |= std::uint64_t(lanes) << base;
-  }
-  mask &= entered;
-  if (mask == 0) return true;
-
-  alignas(64) float direction[3][lanes_all];
-  const double* m = instance.world_to_object;
-  bool remapped = false;
+REGRAFT_INLINE std::uint64_t meet_box(const SlabPacket& rays, const float (&t_near)[lanes_all],
+                                      const float (&lo)[3], const float (&hi)[3],
+                                      float (&entry)[lanes_all], float (&exit)[lanes_all]) {
   for (int i = 0; i < lanes_all; ++i) {
-    double o[3], d[3];
-    double distance = 0.0, length = 0.0;
-    for (int k = 0; k < 3; ++k, m += 4) {
-      o[k] =
-          ((m[0] * rays.origin[0][i] + m[1] * rays.origin[1][i]) + m[2] * rays.origin[2][i]) + m[3];
-      d[k] =
-          (m[0] * rays.direction[0][i] + m[1] * rays.direction[1][i]) + m[2] * rays.direction[2][i];
-      const double a = std::fabs(o[k] - instance.mesh.center[k]);
-      const double b = std::fabs(d[k]);
-      distance = a > distance ? a : distance;
-      length = b > length ? b : length;
-      local.origin[k][i] = float(o[k]);
-      direction[k][i] = float(d[k]);
-    }
-    m -= 12;
-    remapped |= distance > 64.0 * instance.mesh.radius || !(length < 0x1p100 && length > 0x1p-100);
+    entry[i] = -infinity;
+    exit[i] = infinity;
   }
-  if (remapped) return false;
-  if (!set_slab_packet(local, local.origin, direction, instance.mesh.magnitude)) return false;
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < lanes_all; ++i) {
+      const bool negative = std::signbit(rays.inverse[k][i]);
+      const float near = ((negative ? hi[k] : lo[k]) - rays.near_origin[k][i]) * rays.inverse[k][i];
+      const float far = ((negative ? lo[k] : hi[k]) - rays.far_origin[k][i]) * rays.inverse[k][i];
+      entry[i] = near > entry[i] ? near : entry[i];
+      exit[i] = far < exit[i] ? far : exit[i];
+    }
+  std::uint64_t met = 0;
+  for (int base = 0; base < lanes_all; base += R) {
+    const Float<R> far = Float<R>::load(exit + base);
+    met |= std::uint64_t((Float<R>::load(entry + base) <= far) &
+                         (Float<R>::load(t_near + base) <= far))
+           << base;
+  }
+  return met;
+}
 
-  const auto axis = [&](int i) {
-    const float ax = std::fabs(direction[0][i]);
-    const float ay = std::fabs(direction[1][i]);
-    const float az = std::fabs(direction[2][i]);
-    return ax >= ay && ax >= az ? 0 : ay >= az ? 1 : 2;
-  };
-  local.kz = axis(0);
-  bool same = true;
-  for (int i = 1; i < lanes_all; ++i) same &= axis(i) == local.kz;
-  if (!same) return false;
-  const int kx = local.kz == 2 ? 0 : local.kz + 1;
+/// `to_object` and `needs_remap` of every ray; @return those that do.
+REGRAFT_INLINE std::uint64_t to_object(const InstanceView& instance, const RayPacket& rays,
+                                       LocalPacket& local) {
+  alignas(64) double distance[lanes_all], length[lanes_all];
+  for (int i = 0; i < lanes_all; ++i) distance[i] = length[i] = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const double* m = instance.world_to_object + 4 * k;
+    const double center = instance.mesh.center[k];
+    const auto convert = [&](int i, double o, double d) {
+      const double a = std::fabs(o - center);
+      const double b = std::fabs(d);
+      distance[i] = a > distance[i] ? a : distance[i];
+      length[i] = b > length[i] ? b : length[i];
+      local.origin[k][i] = float(o);
+      local.direction[k][i] = float(d);
+    };
+    const double(&o)[3][lanes_all] = rays.origin;
+    const double(&d)[3][lanes_all] = rays.direction;
+    if (instance.identity)
+      for (int i = 0; i < lanes_all; ++i) convert(i, o[k][i], d[k][i]);
+    else
+      for (int i = 0; i < lanes_all; ++i)
+        convert(i, ((m[0] * o[0][i] + m[1] * o[1][i]) + m[2] * o[2][i]) + m[3],
+                (m[0] * d[0][i] + m[1] * d[1][i]) + m[2] * d[2][i]);
+  }
+  const double reach = 64.0 * instance.mesh.radius;
+  int fine = 0;
+  for (int i = 0; i < lanes_all; ++i)
+    fine += !(distance[i] > reach) & (length[i] < 0x1p100) & (length[i] > 0x1p-100);
+  if (fine == lanes_all) return 0;
+  std::uint64_t remapped = 0;
+  for (int i = 0; i < lanes_all; ++i) {
+    const bool far = distance[i] > reach || !(length[i] < 0x1p100 && length[i] > 0x1p-100);
+    remapped |= std::uint64_t(far) << i;
+  }
+  return remapped;
+}
+
+/// Rays by the axis of their largest |direction|, chosen as in `set_shear`.
+template <int R>
+REGRAFT_INLINE void set_axes(LocalPacket& local) {
+  const Float<R> zero(0.0f);
+  local.kz_is[0] = local.kz_is[1] = 0;
+  for (int base = 0; base < lanes_all; base += R) {
+    Float<R> size[3];
+    for (int k = 0; k < 3; ++k) {
+      const Float<R> d = Float<R>::load(local.direction[k] + base);
+      size[k] = max(d, zero - d);
+    }
+    const LaneBits x = (size[0] >= size[1]) & (size[0] >= size[2]);
+    local.kz_is[0] |= std::uint64_t(x) << base;
+    local.kz_is[1] |= std::uint64_t(~x & (size[1] >= size[2])) << base;
+  }
+  local.kz_is[2] = ~(local.kz_is[0] | local.kz_is[1]);
+}
+
+REGRAFT_INLINE void set_shears(LocalPacket& local) {
+  const int kz = local.kz;
+  const int kx = kz == 2 ? 0 : kz + 1;
   const int ky = kx == 2 ? 0 : kx + 1;
   for (int i = 0; i < lanes_all; ++i) {
-    local.shear[0][i] = direction[kx][i] / direction[local.kz][i];
-    local.shear[1][i] = direction[ky][i] / direction[local.kz][i];
-    local.shear[2][i] = 1.0f / direction[local.kz][i];
+    local.shear[0][i] = local.direction[kx][i] / local.direction[kz][i];
+    local.shear[1][i] = local.direction[ky][i] / local.direction[kz][i];
   }
-  set_intervals(local);
-  return true;
+}
+
+/// Takes all rays to object space; `mask` loses those that miss the instance's box.
+/// @return rays of `mask` that have to be taken there one by one.
+template <int R>
+REGRAFT_INLINE std::uint64_t make_local_packet(const RayPacket& rays, const SlabPacket& top,
+                                               const InstanceView& instance, std::uint64_t& mask,
+                                               LocalPacket& local) {
+  mask &= meet_box<R>(top, rays.t_near, instance.lo, instance.hi, local.entry, local.exit);
+  if (mask == 0) return 0;
+  const std::uint64_t remapped = to_object(instance, rays, local) & mask;
+  local.together =
+      set_slab_packet<R>(local, local.origin, local.direction, instance.mesh.magnitude) &&
+      remapped == 0;
+  set_axes<R>(local);
+  for (int k = 0; k < 3; ++k)
+    if (local.kz_is[k] == ~std::uint64_t(0))
+      local.kz = k;
+    else if (local.kz_is[k] != 0)
+      local.together = false;
+  if (!local.together) return remapped;
+  set_shears(local);
+  set_intervals<R>(local);
+  return 0;
+}
+
+/// The box-test part of one ray of a packet.
+REGRAFT_INLINE void extract_slabs(const SlabPacket& packet, int i, SlabRay& ray) {
+  for (int k = 0; k < 3; ++k) {
+    const int negative = int(packet.negatives[k] >> i & 1u);
+    ray.near_origin[k] = packet.near_origin[k][i];
+    ray.far_origin[k] = packet.far_origin[k][i];
+    ray.inverse[k] = packet.inverse[k][i];
+    ray.near_plane[k] = k + 3 * negative;
+    ray.far_plane[k] = k + 3 - 3 * negative;
+  }
 }
 
 /// One ray of a packet as `make_local` would have made it.
 REGRAFT_INLINE LocalRay extract(const LocalPacket& packet, const RayPacket& rays, int i) {
   LocalRay ray;
-  for (int k = 0; k < 3; ++k) {
-    ray.near_origin[k] = packet.near_origin[k][i];
-    ray.far_origin[k] = packet.far_origin[k][i];
-    ray.inverse[k] = packet.inverse[k][i];
-    ray.near_plane[k] = packet.negative[k] ? 3 + k : k;
-    ray.far_plane[k] = packet.negative[k] ? k : 3 + k;
-    ray.origin[k] = packet.origin[k][i];
-    ray.shear[k] = packet.shear[k][i];
-  }
-  ray.kz = packet.kz;
+  extract_slabs(packet, i, ray);
+  for (int k = 0; k < 3; ++k) ray.origin[k] = packet.origin[k][i];
+  ray.kz = int(packet.kz_is[1] >> i & 1u) + 2 * int(packet.kz_is[2] >> i & 1u);
+  const int kx = ray.kz == 2 ? 0 : ray.kz + 1;
+  const int ky = kx == 2 ? 0 : kx + 1;
+  ray.shear[0] = packet.direction[kx][i] / packet.direction[ray.kz][i];
+  ray.shear[1] = packet.direction[ky][i] / packet.direction[ray.kz][i];
+  ray.shear[2] = ray.inverse[ray.kz];
   ray.t_near = rays.t_near[i];
   ray.entry = packet.entry[i];
   ray.exit = packet.exit[i];
@@ -203,16 +281,21 @@ REGRAFT_INLINE LocalRay extract(const LocalPacket& packet, const RayPacket& rays
   return ray;
 }
 
-REGRAFT_INLINE SlabRay extract_top(const SlabPacket& packet, int i) {
-  SlabRay ray;
-  for (int k = 0; k < 3; ++k) {
-    ray.near_origin[k] = packet.near_origin[k][i];
-    ray.far_origin[k] = packet.far_origin[k][i];
-    ray.inverse[k] = packet.inverse[k][i];
-    ray.near_plane[k] = packet.negative[k] ? 3 + k : k;
-    ray.far_plane[k] = packet.negative[k] ? k : 3 + k;
+/// Lanes that carry no ray get a copy of one that does, so that registers hold no rubbish.
+REGRAFT_INLINE const RayPacket& filled(const RayPacket& rays, RayPacket& copy) {
+  if (rays.active == ~std::uint64_t(0) || rays.active == 0) return rays;
+  copy = rays;
+  const int source = std::countr_zero(rays.active);
+  for (int i = 0; i < lanes_all; ++i) {
+    if ((rays.active >> i & 1u) != 0) continue;
+    for (int k = 0; k < 3; ++k) {
+      copy.origin[k][i] = rays.origin[k][source];
+      copy.direction[k][i] = rays.direction[k][source];
+    }
+    copy.t_near[i] = rays.t_near[source];
+    copy.t_far[i] = rays.t_far[source];
   }
-  return ray;
+  return copy;
 }
 
 }  // namespace regraft::trace::REGRAFT_SIMD_NAMESPACE

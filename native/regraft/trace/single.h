@@ -33,29 +33,16 @@ REGRAFT_INLINE void count(TraceCounters& counters, const Work& work) {
   counters.triangle_tests += work.tests;
 }
 
-/// Whole rays, one after the other.
-template <int W>
-struct Single {
-  template <bool AnyHit>
-  static Nearest trace(const TraceView& view, const WorldRay& ray, Work& work) {
-    Nearest nearest{ray.t_far, 0xFFFFFFFFu, 0xFFFFFFFFu, 0.0f, 0.0f};
-    if (view.top_nodes != nullptr && valid(ray))
-      trace_top<W, AnyHit>(view, ray, make_top(view, ray), 0, nearest, work);
-    return nearest;
+/// Every ray against every triangle, without any tree.
+struct BruteForce {
+  static void test_all(const LocalRay& ray, const InstanceView& instance, Nearest& nearest,
+                       Work& work) {
+    float limit = local_limit(ray, nearest.t);
+    test_prims<false>(ray, instance, instance.mesh.prim_ids, int(instance.mesh.prim_count), limit,
+                      nearest, work);
   }
 
   static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,
-                          TraceCounters& counters, std::uint32_t* cost) {
-    for (std::uint64_t todo = rays.active; todo != 0; todo &= todo - 1) {
-      const auto i = std::uint32_t(std::countr_zero(todo));
-      Work work;
-      store_hit(hits, i, trace<false>(view, load_ray(rays, i), work));
-      if (cost != nullptr) cost[i] = work.nodes + work.tests;
-      count(counters, work);
-    }
-  }
-
-  static void brute_force(const TraceView& view, const RayPacket& rays, HitPacket& hits,
                           TraceCounters& counters) {
     for (std::uint64_t todo = rays.active; todo != 0; todo &= todo - 1) {
       const auto i = std::uint32_t(std::countr_zero(todo));
@@ -67,25 +54,11 @@ struct Single {
         const MeshView& mesh = view.instances[n].mesh;
         LocalRay local;
         if (mesh.prim_count != 0 && make_local(ray, top, view.instances[n], local))
-          test_prims<false>(local, view.instances[n], mesh.prim_ids, int(mesh.prim_count), nearest,
-                            work);
+          test_all(local, view.instances[n], nearest, work);
       }
       store_hit(hits, i, nearest);
       count(counters, work);
     }
-  }
-
-  static std::uint64_t any_hit(const TraceView& view, const RayPacket& rays,
-                               TraceCounters& counters) {
-    std::uint64_t occluded = 0;
-    for (std::uint64_t todo = rays.active; todo != 0; todo &= todo - 1) {
-      const auto i = std::uint32_t(std::countr_zero(todo));
-      Work work;
-      const Nearest nearest = trace<true>(view, load_ray(rays, i), work);
-      occluded |= std::uint64_t(nearest.prim_id != 0xFFFFFFFFu) << i;
-      count(counters, work);
-    }
-    return occluded;
   }
 };
 

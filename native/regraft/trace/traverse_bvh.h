@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "regraft/bvh/wide_bvh.h"
 #include "regraft/trace/hit.h"
@@ -41,52 +42,73 @@ REGRAFT_INLINE LaneBits test_slots(const WideNode<W>& node, const SlabRay& ray, 
   return near <= far;
 }
 
-/// Pushes the slots of `lanes`, farthest first, so that the nearest is popped next.
+/// Asks for all cache lines of a node that will be visited soon.
 template <int W>
-REGRAFT_INLINE int push_slots(const WideNode<W>& node, LaneBits lanes, const Float<W>& near,
-                              StackEntry* stack, int top) {
-  alignas(64) float distance[W];
-  near.store(distance);
-  const int base = top;
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int i = __builtin_ctz(lanes);
-    int at = top++;
-    for (; at > base && stack[at - 1].near < distance[i]; --at) stack[at] = stack[at - 1];
-    stack[at] = {node.child[i], distance[i]};
-  }
-  return top;
+REGRAFT_INLINE void prefetch(const WideNode<W>* nodes, std::uint32_t child) {
+  if (WideChild::is_leaf(child)) return;
+  const char* lines = reinterpret_cast<const char*>(nodes + child);
+  for (int i = 0; i < int(sizeof(WideNode<W>)); i += 64) __builtin_prefetch(lines + i);
 }
 
-/// Walks a wide tree from `root` on; `leaf(begin, count)` may lower `limit()` and returns true to
-/// stop.
-template <int W, typename Limit, typename Leaf>
+/// The nearest of the slots in `lanes`; pushes the others, farthest first.
+template <int W>
+REGRAFT_INLINE std::uint32_t descend(const WideNode<W>* nodes, const WideNode<W>& node, LaneBits lanes, const Float<W>& near,
+                                     StackEntry*& top) {
+  const int first = __builtin_ctz(lanes);
+  lanes &= lanes - 1;
+  if (lanes == 0) return node.child[first];
+  alignas(64) float distance[W];
+  near.store(distance);
+  StackEntry nearest{node.child[first], distance[first]};
+  prefetch(nodes, nearest.child);
+  StackEntry* const base = top;
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int i = __builtin_ctz(lanes);
+    StackEntry far{node.child[i], distance[i]};
+    prefetch(nodes, far.child);
+    if (far.near < nearest.near) std::swap(far, nearest);
+    StackEntry* at = top++;
+    for (; at > base && at[-1].near < far.near; --at) *at = at[-1];
+    *at = far;
+  }
+  return nearest.child;
+}
+
+/// Walks a wide tree from `root` on, nearest slots first. `leaf(begin, count, limit)` may lower
+/// `limit`, beyond which nothing counts, and returns true to stop.
+template <int W, typename Leaf>
 REGRAFT_INLINE void walk(const WideNode<W>* nodes, std::uint32_t root, const SlabRay& ray,
-                         float start, Work& work, const Limit& limit, const Leaf& leaf) {
+                         float start, float limit, Work& work, const Leaf& leaf) {
   StackEntry stack[stack_size<W>];
-  int top = 1;
-  stack[0] = {root, -infinity};
-  while (top > 0) {
-    const StackEntry entry = stack[--top];
-    if (entry.near > limit()) continue;
-    if (WideChild::is_leaf(entry.child)) {
+  StackEntry* top = stack;
+  std::uint32_t current = root;
+  for (;;) {
+    if (!WideChild::is_leaf(current)) {
+      ++work.nodes;
+      Float<W> near;
+      const WideNode<W>& node = nodes[current];
+      if (const LaneBits lanes = test_slots(node, ray, start, limit, near); lanes != 0) {
+        current = descend(nodes, node, lanes, near, top);
+        continue;
+      }
+    } else if (current != WideChild::none) {
       // Planes and origins of 1e38 make an interval NaN, which lets even an unused slot pass.
-      if (entry.child == WideChild::none) continue;
-      if (leaf(WideChild::begin(entry.child), WideChild::count(entry.child))) return;
-      continue;
+      if (leaf(WideChild::begin(current), WideChild::count(current), limit)) return;
     }
-    ++work.nodes;
-    const WideNode<W>& node = nodes[entry.child];
-    Float<W> near;
-    const LaneBits lanes = test_slots(node, ray, start, limit(), near);
-    top = push_slots(node, lanes, near, stack, top);
+    do {
+      if (top == stack) return;
+      --top;
+    } while (top->near > limit);
+    current = top->child;
   }
 }
 
 /// Tests primitives of one mesh, four at a time; returns true if `AnyHit` and something was hit.
+/// `limit`: `local_limit` of the nearest hit, kept up to date.
 template <bool AnyHit>
 REGRAFT_INLINE bool test_prims(const LocalRay& ray, const InstanceView& instance,
-                               const std::uint32_t* prims, int count, Nearest& nearest,
-                               Work& work) {
+                               const std::uint32_t* prims, int count, float& limit,
+                               Nearest& nearest, Work& work) {
   bool found = false;
   for (int i = 0; i < count && !(AnyHit && found); i += 4) {
     const int n = count - i < 4 ? count - i : 4;
@@ -95,9 +117,9 @@ REGRAFT_INLINE bool test_prims(const LocalRay& ray, const InstanceView& instance
       const std::uint32_t prim = prims[i + lane];
       if (!nearest.beaten_by(t, instance.instance_id, prim)) return;
       nearest = {t, instance.instance_id, prim, u, v};
+      limit = local_limit(ray, t);
       found = true;
     };
-    const float limit = local_limit(ray, nearest.t);
     if (ray.kz == 0)
       test_triangles<0>(ray, instance.mesh, prims + i, n, limit, accept);
     else if (ray.kz == 1)
@@ -114,12 +136,11 @@ REGRAFT_INLINE bool trace_mesh(const LocalRay& ray, const InstanceView& instance
                                std::uint32_t root, Nearest& nearest, Work& work) {
   const auto* nodes = static_cast<const WideNode<W>*>(instance.mesh.nodes);
   bool found = false;
-  walk<W>(
-      nodes, root, ray, local_start(ray), work, [&] { return local_limit(ray, nearest.t); },
-      [&](std::uint32_t begin, std::uint32_t count) {
-        return found = test_prims<AnyHit>(ray, instance, instance.mesh.prim_ids + begin, int(count),
-                                          nearest, work);
-      });
+  walk<W>(nodes, root, ray, local_start(ray), local_limit(ray, nearest.t), work,
+          [&](std::uint32_t begin, std::uint32_t count, float& limit) {
+            return found = test_prims<AnyHit>(ray, instance, instance.mesh.prim_ids + begin,
+                                              int(count), limit, nearest, work);
+          });
   return found;
 }
 
@@ -161,7 +182,9 @@ REGRAFT_INLINE bool test_flat_leaf(const TraceView& view, const WorldRay& world,
       enters = make_local(world, top, view.instances[instance], local);
       local_of = instance;
     }
-    if (enters && test_prims<AnyHit>(local, view.instances[instance], prims, run, nearest, work))
+    if (!enters) continue;
+    float limit = local_limit(local, nearest.t);
+    if (test_prims<AnyHit>(local, view.instances[instance], prims, run, limit, nearest, work))
       return true;
   }
   return false;
@@ -176,19 +199,22 @@ REGRAFT_INLINE bool trace_top(const TraceView& view, const WorldRay& world, cons
   std::uint32_t local_of = 0xFFFFFFFFu;
   bool enters = false;
   bool found = false;
-  walk<W>(
-      nodes, root, top, world.t_near, work, [&] { return nearest.t; },
-      [&](std::uint32_t begin, std::uint32_t count) {
-        if (view.flat != nullptr)
-          return found = test_flat_leaf<AnyHit>(view, world, top, begin, count, local_of, enters,
-                                                local, nearest, work);
-        for (std::uint32_t i = 0; i < count && !found; ++i) {
-          const InstanceView& instance = view.instances[view.top_prims[begin + i]];
-          if (make_local(world, top, instance, local))
-            found = trace_mesh<W, AnyHit>(local, instance, 0, nearest, work);
-        }
-        return found;
-      });
+  walk<W>(nodes, root, top, world.t_near, nearest.t, work,
+          [&](std::uint32_t begin, std::uint32_t count, float& limit) {
+            if (view.flat != nullptr) {
+              found = test_flat_leaf<AnyHit>(view, world, top, begin, count, local_of, enters,
+                                             local, nearest, work);
+              limit = nearest.t;
+              return found;
+            }
+            for (std::uint32_t i = 0; i < count && !found; ++i) {
+              const InstanceView& instance = view.instances[view.top_prims[begin + i]];
+              if (make_local(world, top, instance, local))
+                found = trace_mesh<W, AnyHit>(local, instance, 0, nearest, work);
+            }
+            limit = nearest.t;
+            return found;
+          });
   return found;
 }
 

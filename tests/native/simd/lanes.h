@@ -13,6 +13,9 @@ struct Lanes {
   Binary add, subtract, multiply, divide, min, max;
   Compare less, less_equal, equal, greater, greater_equal;
   void (*broadcast)(float x, float* result);
+  std::uint32_t (*sign_bits)(const float* a);
+  float (*lowest_lane)(const float* a);
+  float (*highest_lane)(const float* a);
 };
 
 /// What one instruction set has: packs of 4, 8 and 16, and reads of points.

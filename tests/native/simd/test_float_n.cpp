@@ -120,6 +120,27 @@ TEST_P(FloatN, BroadcastFillsEveryLane) {
     }
 }
 
+TEST_P(FloatN, SignBitsSeeZerosAndNaNsToo) {
+  for (const Lanes& lanes : instructions(GetParam()).lanes)
+    for_all_pairs(lanes.width, [&](const float* a, const float*) {
+      std::uint32_t wanted = 0;
+      for (int i = 0; i < lanes.width; ++i) wanted |= std::uint32_t(std::signbit(a[i])) << i;
+      ASSERT_EQ(lanes.sign_bits(a), wanted) << a[0] << " first";
+    });
+}
+
+TEST_P(FloatN, LowestAndHighestLaneAreThoseOfAllLanes) {
+  for (const Lanes& lanes : instructions(GetParam()).lanes)
+    for (int at = 0; at < lanes.width; ++at) {
+      float a[16];
+      for (int i = 0; i < lanes.width; ++i) a[i] = float(i % 5);
+      a[at] = -1.0f;
+      EXPECT_EQ(lanes.lowest_lane(a), -1.0f) << at;
+      a[at] = 9.0f;
+      EXPECT_EQ(lanes.highest_lane(a), 9.0f) << at;
+    }
+}
+
 TEST_P(FloatN, GatherTransposesFourPointsAndReadsNothingBeyond) {
   // Allocated to the byte, so that the address sanitizer sees a read too far.
   const std::vector<float> points{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
