@@ -10,6 +10,8 @@
 
 namespace regraft::bench {
 
+inline constexpr double pi = 3.14159265358979323846;
+
 struct Triangles {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
@@ -51,6 +53,51 @@ inline Triangles chunks(std::size_t count, float time) {
       mesh.triangles.emplace_back(first, first + 1, first + 2);
     }
   }
+  return mesh;
+}
+
+/// A closed sphere of about `count` triangles, radius 1 about the origin.
+inline Triangles sphere(std::size_t count) {
+  const auto rings = std::uint32_t(std::sqrt(double(count) / 4.0)), segments = 2 * rings;
+  Triangles mesh;
+  mesh.vertices.emplace_back(0.0f, 0.0f, 1.0f);
+  for (std::uint32_t r = 1; r < rings; ++r)
+    for (std::uint32_t s = 0; s < segments; ++s) {
+      const double a = pi * r / rings, b = 2.0 * pi * s / segments;
+      mesh.vertices.emplace_back(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a));
+    }
+  mesh.vertices.emplace_back(0.0f, 0.0f, -1.0f);
+  const auto last = std::uint32_t(mesh.vertices.size() - 1);
+  for (std::uint32_t s = 0; s < segments; ++s) {
+    const std::uint32_t next = (s + 1) % segments;
+    mesh.triangles.emplace_back(0, 1 + s, 1 + next);
+    for (std::uint32_t r = 0; r + 2 < rings; ++r) {
+      const std::uint32_t a = 1 + r * segments, b = a + segments;
+      mesh.triangles.emplace_back(a + s, b + s, b + next);
+      mesh.triangles.emplace_back(a + s, b + next, a + next);
+    }
+    const std::uint32_t a = 1 + (rings - 2) * segments;
+    mesh.triangles.emplace_back(a + s, last, a + next);
+  }
+  return mesh;
+}
+
+/// About `count` triangles: a floor with rows of finely meshed balls on it, near and far.
+inline Triangles balls(std::size_t count) {
+  const Triangles one = sphere(count / 400);
+  Triangles mesh;
+  for (int j = 0; j < 20; ++j)
+    for (int i = 0; i < 20; ++i) {
+      const auto first = std::uint32_t(mesh.vertices.size());
+      const Vec3 center(0.2f * float(i) - 1.9f, 0.3f * float(j) - 1.9f, 0.0f);
+      for (const Vec3& v : one.vertices) mesh.vertices.push_back(center + 0.09f * v);
+      for (const Triangle& t : one.triangles) mesh.triangles.push_back(t + first);
+    }
+  const auto first = std::uint32_t(mesh.vertices.size());
+  for (const float y : {-9.0f, 9.0f})
+    for (const float x : {-9.0f, 9.0f}) mesh.vertices.emplace_back(x, y, -0.1f);
+  mesh.triangles.emplace_back(first, first + 1, first + 2);
+  mesh.triangles.emplace_back(first + 1, first + 3, first + 2);
   return mesh;
 }
 

@@ -1,135 +1,243 @@
-#include <benchmark/benchmark.h>
+// Rays against static scenes, ours and Embree's in one run: the same rays, one mesh each, all
+// contenders taking turns. Prints a table and, with --json FILE, writes every median.
 
-#include <limits>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <string_view>
 
+#include "bench_rays.h"
 #include "peer_embree.h"
 #include "regraft/accel/accelerator.h"
+#include "regraft/core/executor.h"
 #include "regraft/trace/kernels.h"
-#include "regraft/trace/tracer.h"
 
 namespace {
 
 using namespace regraft;
+using bench::RaySet;
 using bench::Triangles;
 
-constexpr int image = 512;
-constexpr float infinity = std::numeric_limits<float>::infinity();
+/// Rays are handed to threads in pieces of so many; the unit of every contender is 64.
+constexpr std::size_t piece = 64 * 32;
 
-void fill(trace::RayPacket& rays, int tile) {
-  rays.count = trace::packet_capacity;
-  rays.active = ~std::uint64_t(0);
-  const int x0 = tile % (image / 8) * 8, y0 = tile / (image / 8) * 8;
-  for (int i = 0; i < 64; ++i) {
-    const Vec3d direction = bench::pixel_direction(x0 + i % 8, y0 + i / 8, image);
-    for (int k = 0; k < 3; ++k) {
-      rays.origin[k][i] = bench::eye()[k];
-      rays.direction[k][i] = direction[k];
-    }
-    rays.t_near[i] = 0.0f;
-    rays.t_far[i] = infinity;
-  }
-}
+struct Options {
+  int image = 1024;
+  int rounds = 7;
+  unsigned threads = 1;
+  std::string json;
+  std::string only;
+};
 
-/// A 512² image of primary rays; arguments: kind, triangles, threads, instruction set.
-void primary(benchmark::State& state, bool packets) {
-  const auto isa = simd::Isa(state.range(3));
-  const auto isas = simd::available_isas();
-  if (std::find(isas.begin(), isas.end(), isa) == isas.end()) {
-    state.SkipWithError("this machine lacks the instruction set");
-    return;
-  }
-  const Triangles mesh = bench::make(state.range(0), state.range(1), 0.5f);
-  Executor executor(unsigned(state.range(2)));
+/// One way to shoot rays [begin, end) of a set; @return how many hit.
+struct Contender {
+  std::string name;
+  std::function<std::size_t(const RaySet&, std::size_t begin, std::size_t end)> shoot;
+};
+
+struct Line {
+  std::string scene, rays, contender;
+  std::size_t triangles, count, hits;
+  double ms;
+};
+
+/// Our accelerator over one mesh.
+struct Ours {
   Scene scene;
-  Instance instance;
-  instance.mesh = scene.add_mesh({mesh.vertices, mesh.triangles, {}, {}}, "mesh");
-  scene.add_instance(instance);
   accel::Accelerator accelerator;
-  accelerator.update(scene, scene.take_changes(), {accel::Policy::rebuild},
-                     trace::kernels(isa).width, executor);
-  const trace::Tracer tracer(accelerator.view(), isa);
-  constexpr int tiles = image / 8 * (image / 8);
-  std::vector<trace::TraceCounters> counters(tiles);
-  for (auto _ : state)
-    executor.parallel_for(tiles, 16, [&](std::size_t begin, std::size_t end) {
-      trace::RayPacket rays;
-      trace::HitPacket hits;
-      for (std::size_t tile = begin; tile < end; ++tile) {
-        fill(rays, int(tile));
-        counters[tile] = {};
-        if (packets)
-          tracer.closest_hit(rays, hits, counters[tile]);
-        else
-          tracer.closest_hit_single(rays, hits, counters[tile]);
-      }
-    });
-  trace::TraceCounters sum;
-  for (const trace::TraceCounters& c : counters) sum += c;
-  state.SetLabel(std::string(simd::name(isa)));
-  state.counters["rays/s"] =
-      benchmark::Counter(double(sum.rays), benchmark::Counter::kIsIterationInvariantRate);
-  state.counters["tests/ray"] = double(sum.triangle_tests) / double(sum.rays);
-}
-void primary_packets(benchmark::State& state) {
-  primary(state, true);
-}
-void primary_single(benchmark::State& state) {
-  primary(state, false);
-}
+  Ours(const Triangles& mesh, simd::Isa isa, Executor& executor) {
+    Instance instance;
+    instance.mesh = scene.add_mesh({mesh.vertices, mesh.triangles, {}, {}}, "mesh");
+    scene.add_instance(instance);
+    accelerator.update(scene, scene.take_changes(), {accel::Policy::rebuild},
+                       trace::kernels(isa).width, executor);
+  }
+};
 
-void cases(benchmark::internal::Benchmark* b) {
-  b->ArgNames({"kind", "triangles", "threads", "isa"});
-  b->Unit(benchmark::kMillisecond)->UseRealTime();
-  for (const int kind : {0, 1})
-    for (const int triangles : {250000, 1000000})
-      for (const simd::Isa isa :
-           {simd::Isa::scalar, simd::Isa::sse, simd::Isa::avx2, simd::Isa::avx512})
-        b->Args({kind, triangles, 2, int(isa)});
+std::size_t shoot(const trace::Tracer& tracer, bool packets, const RaySet& set, std::size_t begin,
+                  std::size_t end) {
+  trace::RayPacket rays;
+  trace::HitPacket hits;
+  trace::TraceCounters counters;
+  std::size_t sum = 0;
+  for (std::size_t p = begin / 64; p < end / 64; ++p) {
+    bench::fill(set, p, rays);
+    if (set.any) {
+      sum += std::size_t(__builtin_popcountll(packets ? tracer.any_hit(rays, counters)
+                                                      : tracer.any_hit_single(rays, counters)));
+      continue;
+    }
+    if (packets)
+      tracer.closest_hit(rays, hits, counters);
+    else
+      tracer.closest_hit_single(rays, hits, counters);
+    for (int i = 0; i < 64; ++i) sum += hits.prim_id[i] != invalid_id;
+  }
+  return sum;
 }
-BENCHMARK(primary_packets)->Apply(cases);
-BENCHMARK(primary_single)->Apply(cases);
 
 #ifdef REGRAFT_WITH_EMBREE
-/// Embree on the same rays, in packets of 8.
-void embree_primary_packets(benchmark::State& state) {
-  const bench::EmbreeScene peer(bench::make(state.range(0), state.range(1), 0.5f),
-                                RTC_BUILD_QUALITY_MEDIUM, 2);
-  Executor executor(unsigned(state.range(2)));
-  for (auto _ : state)
-    executor.parallel_for(image / 2, 8, [&](std::size_t begin, std::size_t end) {
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-      alignas(32) int valid[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
-      for (int y = int(begin) * 2; y < int(end) * 2; y += 2)
-        for (int x = 0; x < image; x += 4) {
-          RTCRayHit8 rays = {};
-          for (int i = 0; i < 8; ++i) {
-            const Vec3d d = bench::pixel_direction(x + i % 4, y + i / 4, image);
-            rays.ray.org_x[i] = float(bench::eye().x);
-            rays.ray.org_y[i] = float(bench::eye().y);
-            rays.ray.org_z[i] = float(bench::eye().z);
-            rays.ray.dir_x[i] = float(d.x);
-            rays.ray.dir_y[i] = float(d.y);
-            rays.ray.dir_z[i] = float(d.z);
-            rays.ray.tfar[i] = infinity;
-            rays.ray.mask[i] = ~0u;
-            rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-            rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-          }
-          rtcIntersect8(valid, peer.scene(), &context, &rays);
-          benchmark::DoNotOptimize(rays.ray.tfar);
-        }
-    });
-  state.counters["rays/s"] =
-      benchmark::Counter(double(image) * image, benchmark::Counter::kIsIterationInvariantRate);
+void add_embree(const Triangles& mesh, unsigned threads, std::vector<Contender>& contenders) {
+  for (const bool robust : {true, false})
+    for (const bool dynamic : {false, true}) {
+      bench::EmbreeOptions options;
+      options.robust = robust;
+      options.dynamic = dynamic;
+      options.threads = threads;
+      const auto peer = std::make_shared<bench::EmbreeScene>(mesh, options);
+      const std::string name = std::string(robust ? "embree robust" : "embree fast") +
+                               (dynamic ? " dynamic" : " static");
+      contenders.push_back({name + " 8", [peer](const RaySet& set, std::size_t b, std::size_t e) {
+                              return bench::embree_packets<8>(peer->scene(), set, b, e);
+                            }});
+      contenders.push_back({name + " 16", [peer](const RaySet& set, std::size_t b, std::size_t e) {
+                              return bench::embree_packets<16>(peer->scene(), set, b, e);
+                            }});
+      contenders.push_back({name + " 1", [peer](const RaySet& set, std::size_t b, std::size_t e) {
+                              return bench::embree_single(peer->scene(), set, b, e);
+                            }});
+    }
 }
-void peer_cases(benchmark::internal::Benchmark* b) {
-  b->ArgNames({"kind", "triangles", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
-  for (const int kind : {0, 1})
-    for (const int triangles : {250000, 1000000}) b->Args({kind, triangles, 2});
-}
-BENCHMARK(embree_primary_packets)->Apply(peer_cases);
 #endif
 
+double clock_ms(bool processor) {
+  if (!processor)
+    return std::chrono::duration<double, std::milli>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) * 1e3 + double(t.tv_nsec) * 1e-6;
+}
+
+/// Medians over rounds in which all contenders take turns: of processor time with one thread, of
+/// elapsed time with several.
+void race(const std::string& scene, std::size_t triangles, const RaySet& set,
+          std::span<const Contender> contenders, const Options& options, Executor& executor,
+          std::vector<Line>& lines) {
+  std::vector<std::vector<double>> times(contenders.size());
+  std::vector<std::size_t> hits(contenders.size());
+  for (int round = 0; round < options.rounds; ++round)
+    for (std::size_t c = 0; c < contenders.size(); ++c) {
+      std::vector<std::size_t> found((set.size() + piece - 1) / piece);
+      const double start = clock_ms(options.threads == 1);
+      executor.parallel_for(found.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          found[i] = contenders[c].shoot(set, i * piece, std::min(set.size(), (i + 1) * piece));
+      });
+      times[c].push_back(clock_ms(options.threads == 1) - start);
+      hits[c] = 0;
+      for (const std::size_t n : found) hits[c] += n;
+    }
+  for (std::size_t c = 0; c < contenders.size(); ++c) {
+    std::sort(times[c].begin(), times[c].end());
+    lines.push_back({scene, set.name, contenders[c].name, triangles, set.size(), hits[c],
+                     times[c][times[c].size() / 2]});
+  }
+}
+
+double rate(const Line& line) {
+  return double(line.count) / line.ms / 1e3;
+}
+
+/// Each way in millions of rays a second, and our best against Embree's best robust and best of
+/// all.
+void print(std::span<const Line> lines) {
+  double ours = 0.0, robust = 0.0, best = 0.0;
+  for (const Line& line : lines) {
+    std::printf("%-12s %-18s %-24s %8.2f M/s  %9zu hits\n", line.scene.c_str(), line.rays.c_str(),
+                line.contender.c_str(), rate(line), line.hits);
+    const bool peer = line.contender.starts_with("embree");
+    (peer ? best : ours) = std::max(peer ? best : ours, rate(line));
+    if (line.contender.starts_with("embree robust")) robust = std::max(robust, rate(line));
+  }
+  if (best > 0.0)
+    std::printf("%-12s %-18s regraft / best robust Embree %.2f, / best Embree %.2f\n",
+                lines[0].scene.c_str(), lines[0].rays.c_str(), ours / robust, ours / best);
+  std::fflush(stdout);
+}
+
+void write_json(const Options& options, std::span<const Line> lines) {
+  std::ofstream out(options.json);
+  out << "{\"image\": " << options.image << ", \"rounds\": " << options.rounds
+      << ", \"threads\": " << options.threads << ", \"isa\": \"" << simd::name(simd::best_isa())
+      << "\", \"lines\": [";
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    out << (i == 0 ? "\n" : ",\n") << "{\"scene\": \"" << lines[i].scene
+        << "\", \"triangles\": " << lines[i].triangles << ", \"rays\": \"" << lines[i].rays
+        << "\", \"count\": " << lines[i].count << ", \"contender\": \"" << lines[i].contender
+        << "\", \"median_ms\": " << lines[i].ms << ", \"hits\": " << lines[i].hits << "}";
+  out << "\n]}\n";
+}
+
+void race_scene(const std::string& name, const Triangles& mesh, const Options& options,
+                std::vector<Line>& lines) {
+  Executor executor(options.threads);
+  const simd::Isa isa = simd::best_isa();
+  const Ours ours(mesh, isa, executor);
+  const trace::Tracer tracer(ours.accelerator.view(), isa);
+  std::vector<Contender> contenders;
+  for (const bool packets : {true, false})
+    contenders.push_back({packets ? "regraft packets" : "regraft single",
+                          [&, packets](const RaySet& set, std::size_t begin, std::size_t end) {
+                            return shoot(tracer, packets, set, begin, end);
+                          }});
+#ifdef REGRAFT_WITH_EMBREE
+  add_embree(mesh, options.threads, contenders);
+#endif
+  const RaySet primary = bench::primary_rays(options.image);
+  const bench::SecondaryRays secondary = bench::secondary_rays(primary, mesh, tracer);
+  RaySet closest = secondary.occlusion;
+  closest.name = "occlusion closest";
+  closest.any = false;
+  const RaySet* const sets[] = {&primary, &secondary.shadow, &secondary.occlusion, &closest};
+  for (const RaySet* set : sets) {
+    const std::size_t before = lines.size();
+    race(name, mesh.triangles.size(), *set, contenders, options, executor, lines);
+    print(std::span(lines).subspan(before));
+  }
+}
+
+Options parse(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string_view name = argv[i];
+    const char* value = argv[i + 1];
+    if (name == "--json")
+      options.json = value;
+    else if (name == "--scene")
+      options.only = value;
+    else if (name == "--image")
+      options.image = std::max(8, std::atoi(value) / 8 * 8);
+    else if (name == "--rounds")
+      options.rounds = std::max(1, std::atoi(value));
+    else if (name == "--threads")
+      options.threads = unsigned(std::max(1, std::atoi(value)));
+    else
+      std::exit((std::fprintf(stderr, "unknown option %s\n", argv[i]), 2));
+  }
+  return options;
+}
+
 }  // namespace
+
+int main(int argc, char** argv) {
+  const Options options = parse(argc, argv);
+  const std::pair<const char*, std::function<Triangles()>> scenes[] = {
+      {"sheet 250k", [] { return bench::sheet(250000, 0.5f); }},
+      {"sheet 1M", [] { return bench::sheet(1000000, 0.5f); }},
+      {"balls 250k", [] { return bench::balls(250000); }},
+      {"balls 1M", [] { return bench::balls(1000000); }},
+      {"chunks 250k", [] { return bench::chunks(250000, 0.5f); }},
+      {"chunks 1M", [] { return bench::chunks(1000000, 0.5f); }}};
+  std::vector<Line> lines;
+  for (const auto& [name, make] : scenes)
+    if (options.only.empty() || options.only == name) race_scene(name, make(), options, lines);
+  if (!options.json.empty()) write_json(options, lines);
+  return lines.empty() ? 1 : 0;
+}

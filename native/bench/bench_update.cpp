@@ -52,32 +52,36 @@ BENCHMARK(refit)->Apply(sizes);
 BENCHMARK(rebuild)->Apply(sizes);
 
 #ifdef REGRAFT_WITH_EMBREE
-void embree_update(benchmark::State& state, RTCBuildQuality quality) {
+void embree_update(benchmark::State& state, RTCBuildQuality quality, bool dynamic) {
   const Triangles poses[2] = {bench::make(state.range(0), state.range(1), 0.0f),
                               bench::make(state.range(0), state.range(1), 0.05f)};
-  bench::EmbreeScene peer(poses[0], RTC_BUILD_QUALITY_MEDIUM, unsigned(state.range(2)));
+  bench::EmbreeScene peer(poses[0], {quality, true, dynamic, unsigned(state.range(2))});
   std::size_t frame = 0;
   for (auto _ : state) {
     state.PauseTiming();
     const std::vector<Vec3>& next = poses[++frame % 2].vertices;
     std::copy(next.begin(), next.end(), peer.vertices().begin());
     state.ResumeTiming();
-    peer.update(quality);
+    peer.update();
   }
   state.counters["triangles/s"] = benchmark::Counter(double(poses[0].triangles.size()),
                                                      benchmark::Counter::kIsIterationInvariantRate);
 }
 void embree_refit(benchmark::State& state) {
-  embree_update(state, RTC_BUILD_QUALITY_REFIT);
+  embree_update(state, RTC_BUILD_QUALITY_REFIT, true);
 }
 void embree_sah(benchmark::State& state) {
-  embree_update(state, RTC_BUILD_QUALITY_MEDIUM);
+  embree_update(state, RTC_BUILD_QUALITY_MEDIUM, false);
+}
+void embree_two_level_sah(benchmark::State& state) {
+  embree_update(state, RTC_BUILD_QUALITY_MEDIUM, true);
 }
 void embree_morton(benchmark::State& state) {
-  embree_update(state, RTC_BUILD_QUALITY_LOW);
+  embree_update(state, RTC_BUILD_QUALITY_LOW, true);
 }
 BENCHMARK(embree_refit)->Apply(sizes);
 BENCHMARK(embree_sah)->Apply(sizes);
+BENCHMARK(embree_two_level_sah)->Apply(sizes);
 BENCHMARK(embree_morton)->Apply(sizes);
 #endif
 
