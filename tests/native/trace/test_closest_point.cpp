@@ -54,7 +54,8 @@ struct Points {
       EXPECT_EQ(got.v, want.v);
     }
     Real nearest = std::numeric_limits<Real>::infinity(), magnitude = glm::length(p);
-    for (const WorldTriangle& t : SceneOracle(scene).triangles()) {
+    const SceneOracle oracle(scene);
+    for (const WorldTriangle& t : oracle.triangles()) {
       nearest = std::min(nearest, distance({p.x, p.y, p.z}, t.corners));
       magnitude = std::max(magnitude, t.magnitude);
     }
