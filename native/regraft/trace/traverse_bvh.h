@@ -52,8 +52,8 @@ REGRAFT_INLINE void prefetch(const WideNode<W>* nodes, std::uint32_t child) {
 
 /// The nearest of the slots in `lanes`; pushes the others, farthest first.
 template <int W>
-REGRAFT_INLINE std::uint32_t descend(const WideNode<W>* nodes, const WideNode<W>& node, LaneBits lanes, const Float<W>& near,
-                                     StackEntry*& top) {
+REGRAFT_INLINE std::uint32_t descend(const WideNode<W>* nodes, const WideNode<W>& node,
+                                     LaneBits lanes, const Float<W>& near, StackEntry*& top) {
   const int first = __builtin_ctz(lanes);
   lanes &= lanes - 1;
   if (lanes == 0) return node.child[first];
