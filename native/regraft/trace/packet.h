@@ -197,6 +197,7 @@ class PacketTracer {
 
   void enter_instance(const InstanceView& instance, std::uint64_t mask) {
     const std::uint64_t remapped = make_local_packet<R>(rays_, top_, instance, mask, local_);
+    if (mask == 0) return;
     if (local_.together && going_ == Going::together && std::popcount(mask) >= single_below) {
       instance_packet(instance, mask);
       return;
