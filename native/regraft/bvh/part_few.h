@@ -13,7 +13,8 @@ namespace regraft::bvh {
 struct FewParted {
   static constexpr std::uint32_t most = 4;
 
-  std::uint32_t left = 0;                                 ///< bit i: primitive i goes left
+  /// Bit i: primitive i goes left. Primitive 0 does, also where no cost is a number.
+  std::uint32_t left = 1;
   double cost = std::numeric_limits<double>::infinity();  ///< Σ area·count of both sides
   Box4 left_box, right_box;
 
@@ -27,7 +28,6 @@ struct FewParted {
       box[set].extend(ref.lo4(), ref.hi4());
       area[set] = box[set].half_area() * std::popcount(set);
     }
-    // Primitive 0 goes left: sides have no names otherwise.
     for (std::uint32_t set = 1; set < all; set += 2) {
       const double both = area[set] + area[all ^ set];
       if (!(both < cost)) continue;

@@ -40,6 +40,17 @@ TEST(BinnedSahBuilder, PrimitivesThatAreNotAskedForAreLeftOut) {
   EXPECT_EQ(tree.prim_ids.size(), 67u);
 }
 
+TEST(BinnedSahBuilder, BoxesWithoutACostAreParted) {
+  for (const Aabb& box : {Aabb{}, Aabb{Vec3(NAN), Vec3(NAN)}})
+    for (std::uint32_t count = 2; count <= 9; ++count) {
+      BinnedSahBuilder::Config config;
+      config.max_leaf = 1;
+      const Bvh tree = Boxes(std::vector<Aabb>(count, box)).build(1, config);
+      EXPECT_EQ(tree.prim_ids.size(), count);
+      EXPECT_LE(tree.depth, count);
+    }
+}
+
 TEST(BinnedSahBuilder, TreesAreTheSameForAnyNumberOfThreads) {
   // Large enough for the parallel binning and partition, and for many tasks.
   const Boxes boxes = random_boxes(150000, 2, 1.0, 0.02);
