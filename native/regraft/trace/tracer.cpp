@@ -64,8 +64,4 @@ PointHit Tracer::closest_point(const Vec3d& p, double max_distance) const {
   return trace::closest_point(*view_, p, max_distance);
 }
 
-PointHit Tracer::closest_point_brute_force(const Vec3d& p, double max_distance) const {
-  return trace::closest_point_brute_force(*view_, p, max_distance);
-}
-
 }  // namespace regraft::trace

@@ -35,7 +35,6 @@ class Tracer {
 
   /// See trace/closest_point.h.
   PointHit closest_point(const Vec3d& p, double max_distance) const;
-  PointHit closest_point_brute_force(const Vec3d& p, double max_distance) const;
 
  private:
   const TraceView* view_;
