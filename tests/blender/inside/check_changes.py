@@ -150,25 +150,6 @@ def check_a_deleted_object_is_gone_and_its_mesh_with_it() -> None:
     assert native().counts()["meshes"] == 2, native().counts()
 
 
-def check_an_object_deleted_while_a_frame_handler_runs_is_gone() -> None:
-    add("stays", mesh("stays"), (5, 0, 0))
-    add("goes", mesh("goes"))
-
-    def delete(scene: bpy.types.Scene, *_arguments: object) -> None:
-        if scene.frame_current == 2 and "goes" in bpy.data.objects:
-            bpy.data.objects.remove(bpy.data.objects["goes"])
-
-    bpy.app.handlers.frame_change_pre.append(delete)
-    try:
-        scene = bpy.context.scene
-        scene.frame_start, scene.frame_end = 1, 3
-        bpy.ops.render.render(animation=True)
-    finally:
-        bpy.app.handlers.frame_change_pre.remove(delete)
-    assert heights((0, 0), (5, 0)) == [None, 0.0]
-    assert len(part("session").history()) == 3
-
-
 def check_an_object_replaced_by_one_of_the_same_name_is_the_new_one() -> None:
     ob = add("square", mesh("square"), (0, 0, 1))
     render()
@@ -246,58 +227,6 @@ def check_instances_follow_their_instancer_and_their_original() -> None:
     inside.hide_render = True
     render()
     assert heights((5, 0)) == [None]
-
-
-def check_nodes_that_move_their_instances_cause_no_walk() -> None:
-    tree = scattering_nodes()
-    target = add("cube", mesh("square"), (0, 0, -50))
-    tree.nodes["Object Info"].inputs["Object"].default_value = target
-    points = add("points", grid("grid", 3))
-    points.modifiers.new("nodes", "NODES").node_group = tree
-    factor = tree.nodes["Transform"].inputs["Translation"]
-    for frame, height in ((1, 0.0), (3, 4.0)):
-        factor.default_value = (0, 0, height)
-        factor.keyframe_insert("default_value", frame=frame)
-    render(1)
-    walks = []
-    module = part("sync.object_list")
-    walk, module.Walk._walk = module.Walk._walk, lambda *a: walks.append(a) or walk(*a)
-    try:
-        statistics = render(3)
-        assert walks == []
-        assert statistics["moved_instances"] == 16, statistics
-        assert heights((0, 0), (1, 1)) == [4.0, 4.0]
-        points.show_instancer_for_render = False
-        render(3)
-        points.show_instancer_for_render = True
-        for vertex in target.data.vertices:
-            vertex.co.z = 1
-        target.data.update()
-        render(3)
-    finally:
-        module.Walk._walk = walk
-    assert heights((0, 0), (1, 1)) == [5.0, 5.0]
-
-
-def scattering_nodes() -> bpy.types.NodeTree:
-    """An object on every point, all moved together."""
-    tree = bpy.data.node_groups.new("scatter", "GeometryNodeTree")
-    if hasattr(tree, "interface"):
-        tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
-        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    else:
-        tree.inputs.new("NodeSocketGeometry", "Geometry")
-        tree.outputs.new("NodeSocketGeometry", "Geometry")
-    kinds = ("NodeGroupInput", "GeometryNodeObjectInfo", "GeometryNodeInstanceOnPoints",
-             "GeometryNodeTransform", "NodeGroupOutput")  # fmt: skip
-    points, info, place, move, out = (tree.nodes.new(kind) for kind in kinds)
-    info.name, move.name = "Object Info", "Transform"
-    info.inputs["As Instance"].default_value = True
-    tree.links.new(points.outputs[0], place.inputs["Points"])
-    tree.links.new(info.outputs["Geometry"], place.inputs["Instance"])
-    tree.links.new(place.outputs["Instances"], move.inputs["Geometry"])
-    tree.links.new(move.outputs[0], out.inputs[0])
-    return tree
 
 
 def check_particles_are_born_and_die() -> None:
