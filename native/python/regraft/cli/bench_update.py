@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import tempfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from regraft.cli import options
-from regraft.cli.console import Console
+from regraft.cli.console import Console, Progress
 from regraft.cli.errors import EXIT_OK, InputError
 from regraft.cli.job import LAYOUTS, POLICIES
 from regraft.cli.machine import machine, machine_line, save_result
@@ -89,14 +90,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
     console.say(machine_line(result))
     for name, shot in _shots(args, console):
         with console.progress(len(shot), name) as progress:
-            rows = list(
-                aging.measure(
-                    shot,
-                    contestants,
-                    settings,
-                    lambda frame, name=name: progress.step(f"{name}, frame {frame}", str(frame)),  # type: ignore[misc]
-                )
-            )
+            rows = list(aging.measure(shot, contestants, settings, partial(_step, progress, name)))
         totals = aging_table.totals(rows)
         result["shots"][name] = {"totals": totals, "rows": rows}
         console.say(f"{name}, {args.size}² primary and shadow rays, {len(shot)} frames")
@@ -107,12 +101,19 @@ def run(args: argparse.Namespace, console: Console) -> int:
     return EXIT_OK
 
 
+def _step(progress: Progress, name: str, frame: int) -> None:
+    progress.step(f"{name}, frame {frame}", str(frame))
+
+
 def _shots(args: argparse.Namespace, console: Console) -> Iterator[tuple[str, Shot]]:
     """Each shot with its name; its folder lives until the next is asked for."""
     for source in args.files or FILES:
         console.note(f"recording {source}")
         with tempfile.TemporaryDirectory() as folder:
-            yield source.stem, record(source.resolve(), Path(folder), args.frames, args.verbose)
+            yield (
+                source.stem,
+                record(source.resolve(), Path(folder), args.frames, args.verbose, console),
+            )
     if not args.files:
         with tempfile.TemporaryDirectory() as folder:
             yield "local motion", local_motion.make(Path(folder), *LOCAL_MOTION)
