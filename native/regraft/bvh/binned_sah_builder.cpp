@@ -183,10 +183,10 @@ class Build {
     return true;
   }
 
-  /// From here on only halving keeps the tree within `max_depth`.
+  /// From here on only halving keeps the tree within its depth.
   bool running_out_of_depth(const Range& range) const {
     const auto halvings = std::uint32_t(std::bit_width(range.size()));
-    return range.depth + halvings + 1 >= max_depth;
+    return range.depth + halvings + 1 >= config_.max_depth;
   }
 
   void bin(const Range& range, const BinMapping& mapping, BinSet& bins) {

@@ -16,6 +16,8 @@ struct BinnedSahBuilder {
     /// less memory and quicker to refit.
     CostModel cost{0.5};
     std::uint32_t max_leaf = 4;
+    /// Levels below the root, at most `bvh::max_depth`.
+    std::uint32_t max_depth = bvh::max_depth;
     /// Ranges up to this size are built as one task; independent of the number of threads, so
     /// that the tree is too.
     std::uint32_t task_size = 4096;

@@ -30,25 +30,7 @@ std::vector<std::uint32_t> refit_frontier(const Bvh& bvh) {
   return frontier;
 }
 
-RefitResult finish_refit(Bvh& bvh, const std::vector<std::uint32_t>& frontier,
-                         const std::vector<RefitSum>& sums, const CostModel& model) {
-  RefitSum sum;
-  for (const RefitSum& s : sums) {
-    sum.cost += s.cost;
-    sum.prim_area += s.prim_area;
-    sum.nodes += s.nodes;
-  }
-  const auto above = [&](const auto& self, std::uint32_t index) -> Aabb {
-    Node& node = bvh.nodes[index];
-    if (std::binary_search(frontier.begin(), frontier.end(), index)) return node.bounds();
-    Aabb box = self(self, node.first);
-    box.extend(self(self, node.first + 1));
-    node.set_bounds(box);
-    sum.cost += half_area(box);
-    ++sum.nodes;
-    return box;
-  };
-  above(above, 0);
+RefitResult finish_refit(const Bvh& bvh, const RefitSum& sum, const CostModel& model) {
   const double root_area = half_area(bvh.nodes[0].bounds());
   return {sum.nodes, root_area > 0.0 ? sum.cost / root_area : sah_cost(bvh, model),
           sum.prim_area > 0.0 ? sum.cost / sum.prim_area : 0.0};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <vector>
 
@@ -40,11 +41,18 @@ struct RefitSum {
   double cost = 0.0;
   double prim_area = 0.0;
   std::uint64_t nodes = 0;
+
+  void add(const RefitSum& other) {
+    cost += other.cost;
+    prim_area += other.prim_area;
+    nodes += other.nodes;
+  }
 };
 
-template <PrimitiveBounds F>
+/// `visit(n)` is called for every inner node n when its box and all below it are done.
+template <PrimitiveBounds F, typename Visit>
 Box4 refit_subtree(Bvh& bvh, std::uint32_t index, const F& bounds, const CostModel& model,
-                   RefitSum& sum) {
+                   RefitSum& sum, const Visit& visit) {
   Node& node = bvh.nodes[index];
   Box4 box;
   double tests = 1.0;
@@ -54,32 +62,58 @@ Box4 refit_subtree(Bvh& bvh, std::uint32_t index, const F& bounds, const CostMod
     for (std::uint32_t i = 1; i < node.count; ++i) box.extend(bounds(bvh.prim_ids[node.first + i]));
     tests = node.count * model.leaf;
   } else {
-    box = refit_subtree(bvh, node.first, bounds, model, sum);
-    box.extend(refit_subtree(bvh, node.first + 1, bounds, model, sum));
+    box = refit_subtree(bvh, node.first, bounds, model, sum, visit);
+    box.extend(refit_subtree(bvh, node.first + 1, bounds, model, sum, visit));
   }
   node.set_bounds(box.aabb());
+  if (!node.leaf()) visit(index);
   sum.cost += tests * half_area(node.bounds());
   ++sum.nodes;
   return box;
 }
 
-RefitResult finish_refit(Bvh& bvh, const std::vector<std::uint32_t>& frontier,
-                         const std::vector<RefitSum>& sums, const CostModel& model);
+/// What is above the `frontier`, which is sorted.
+template <typename Visit>
+void refit_above(Bvh& bvh, std::uint32_t index, const std::vector<std::uint32_t>& frontier,
+                 RefitSum& sum, const Visit& visit) {
+  if (std::binary_search(frontier.begin(), frontier.end(), index)) return;
+  Node& node = bvh.nodes[index];
+  refit_above(bvh, node.first, frontier, sum, visit);
+  refit_above(bvh, node.first + 1, frontier, sum, visit);
+  Aabb box = bvh.nodes[node.first].bounds();
+  box.extend(bvh.nodes[node.first + 1].bounds());
+  node.set_bounds(box);
+  sum.cost += half_area(box);
+  ++sum.nodes;
+  visit(index);
+}
+
+RefitResult finish_refit(const Bvh& bvh, const RefitSum& sum, const CostModel& model);
 
 }  // namespace detail
 
-/// Recomputes every box from the leaves up, in parallel; the tree's shape stays. The same boxes
-/// and the same cost for any number of threads.
-template <PrimitiveBounds F>
-RefitResult refit(Bvh& bvh, const F& bounds, Executor& executor, const CostModel& model = {}) {
+/// Recomputes every box from the leaves up, in parallel; the tree's shape stays. `visit(n)` is
+/// called for every inner node n after all below it, at once for nodes that do not lie below each
+/// other. The same boxes and the same cost for any number of threads.
+template <PrimitiveBounds F, typename Visit>
+RefitResult refit(Bvh& bvh, const F& bounds, Executor& executor, const CostModel& model,
+                  const Visit& visit) {
   if (bvh.empty()) return {};
   const std::vector<std::uint32_t> frontier = detail::refit_frontier(bvh);
   std::vector<detail::RefitSum> sums(frontier.size());
   executor.parallel_for(frontier.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      detail::refit_subtree(bvh, frontier[i], bounds, model, sums[i]);
+      detail::refit_subtree(bvh, frontier[i], bounds, model, sums[i], visit);
   });
-  return detail::finish_refit(bvh, frontier, sums, model);
+  detail::RefitSum sum;
+  for (const detail::RefitSum& s : sums) sum.add(s);
+  detail::refit_above(bvh, 0, frontier, sum, visit);
+  return detail::finish_refit(bvh, sum, model);
+}
+
+template <PrimitiveBounds F>
+RefitResult refit(Bvh& bvh, const F& bounds, Executor& executor, const CostModel& model = {}) {
+  return refit(bvh, bounds, executor, model, [](std::uint32_t) {});
 }
 
 }  // namespace regraft::bvh
