@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "regraft/accel/accelerator_state.h"
 
@@ -15,6 +16,33 @@ constexpr std::size_t shared_size = 32768;
 
 std::string mesh_label(const Mesh& mesh, std::uint32_t id) {
   return "mesh " + std::to_string(id) + (mesh.name.empty() ? "" : " '" + mesh.name + "'");
+}
+
+void tell(const TreeWork& work, UpdateStatistics& s) {
+  s.nodes_refitted = work.nodes_refitted;
+  s.nodes_rebuilt = work.nodes_rebuilt;
+  s.pairs_considered = work.pairs_considered;
+  s.select_ms = work.select_ms;
+  for (const bvh::Restructured& operation : work.operations) {
+    s.pairs_restructured += operation.realised != 0.0;
+    s.predicted_benefits.push_back(operation.predicted);
+    s.realised_savings.push_back(operation.realised);
+  }
+}
+
+/// What `auto` did not do, and why.
+std::string reason(const TreeWork& work) {
+  switch (work.done) {
+    case TreeUpdate::none:
+      return "auto: no tree's primitives moved: no refit";
+    case TreeUpdate::refit:
+      return "auto: nothing worth restructuring: refit only";
+    case TreeUpdate::restructure:
+      return "auto: damage is local: no tree built anew";
+    case TreeUpdate::rebuild:
+      break;
+  }
+  return "auto: a tree is new, or its damage costs more than building it anew: not mended";
 }
 
 }  // namespace
@@ -50,6 +78,12 @@ void Accelerator::State::renew_trees() {
     if (blases[id].exists()) pending[id] = Pending::topology;
 }
 
+Tending Accelerator::State::tending(const UpdateOptions& options, int width) {
+  if (rays_traced > 0) frame_rays = double(rays_traced);
+  rays_traced = 0;
+  return {options.policy, width, frame_rays, options.frames_left, options.costs};
+}
+
 std::vector<std::uint8_t> Accelerator::State::seen_meshes(const Scene& scene) const {
   std::vector<std::uint8_t> seen(scene.meshes().size(), 0);
   for (const Instance& instance : scene.instances())
@@ -57,12 +91,30 @@ std::vector<std::uint8_t> Accelerator::State::seen_meshes(const Scene& scene) co
   return seen;
 }
 
+/// How many of the last frame's rays are likely to have reached each mesh: those of the scene, by
+/// the areas of its instances' boxes.
+std::vector<double> Accelerator::State::rays_by_mesh(const Scene& scene) const {
+  std::vector<double> rays(scene.meshes().size(), 0.0);
+  const double whole = half_area(tlas.bounds());
+  for (const trace::InstanceView& v : instances.views()) {
+    if (v.instance_id >= scene.instances().size()) continue;
+    const Aabb box{Vec3(v.lo[0], v.lo[1], v.lo[2]), Vec3(v.hi[0], v.hi[1], v.hi[2])};
+    const double share = whole > 0.0 ? std::fmin(1.0, half_area(box) / whole) : 1.0;
+    const std::uint32_t mesh = scene.instances()[v.instance_id].mesh;
+    if (mesh < rays.size()) rays[mesh] += share * frame_rays;
+  }
+  return rays;
+}
+
 TreeWork Accelerator::State::update_meshes(const Scene& scene, std::span<const std::uint32_t> todo,
-                                           Policy policy, int width, Executor& executor) {
+                                           Layout layout, const Tending& how, Executor& executor) {
   std::vector<TreeWork> work(todo.size());
+  const std::vector<double> rays = rays_by_mesh(scene);
   const auto update_one = [&](std::size_t i) {
     const std::uint32_t id = todo[i];
-    work[i] = blases[id].update(scene.meshes()[id], pending[id] == Pending::topology, policy, width,
+    Tending mine = how;
+    mine.rays = rays[id];
+    work[i] = blases[id].update(scene.meshes()[id], pending[id] == Pending::topology, layout, mine,
                                 executor);
     pending[id] = Pending::none;
   };
@@ -77,10 +129,7 @@ TreeWork Accelerator::State::update_meshes(const Scene& scene, std::span<const s
     for (std::size_t i = begin; i < end; ++i) update_one(small[i]);
   });
   TreeWork sum;
-  for (const TreeWork& w : work) {
-    sum.nodes_refitted += w.nodes_refitted;
-    sum.nodes_rebuilt += w.nodes_rebuilt;
-  }
+  for (const TreeWork& w : work) sum.add(w);
   return sum;
 }
 
@@ -134,6 +183,8 @@ UpdateStatistics Accelerator::State::unchanged(const UpdateOptions& options) con
   s.update_ms = 0.0;
   s.moved_instances = s.deformed_meshes = s.deformed_triangles = 0;
   s.nodes_refitted = s.nodes_rebuilt = s.pairs_considered = s.pairs_restructured = 0;
+  s.predicted_benefits = s.realised_savings = {};
+  s.select_ms = 0.0;
   s.left_out = {"nothing changed: no update"};
   return s;
 }
@@ -145,7 +196,8 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   if (changes.empty() && options.layout == state.last_options.layout && width == state.last_width)
     return state.unchanged(options);
   state.note(changes, scene.meshes().size());
-  if (width != state.last_width) state.renew_trees();
+  if (width != state.last_width || options.layout != state.last_options.layout) state.renew_trees();
+  const Tending how = state.tending(options, width);
   const std::vector<std::uint8_t> seen = state.seen_meshes(scene);
   std::vector<std::uint32_t> todo;
   std::size_t hidden = 0;
@@ -163,14 +215,12 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
     ++s.deformed_meshes;
     s.deformed_triangles += scene.meshes()[id].triangles.size();
   }
-  const TreeWork meshes = state.update_meshes(scene, todo, options.policy, width, executor);
-  const InstanceSet::Changes placed = state.instances.update(scene, state.blases, changes, changed,
-                                                             options.policy, width, executor);
-  bool primitives_changed = placed.set_changed;
-  if (options.layout == Layout::flat)
-    primitives_changed |= meshes.nodes_rebuilt != 0 || placed.baked.done == TreeUpdate::rebuild;
-  const TreeWork top = state.tlas.update(scene, state.instances, options.layout, primitives_changed,
-                                         placed.moved != 0, options.policy, width, executor);
+  TreeWork work = state.update_meshes(scene, todo, options.layout, how, executor);
+  InstanceSet::Changes placed =
+      state.instances.update(scene, state.blases, changes, changed, options.layout, how, executor);
+  work.add(placed.baked);
+  if (options.layout == Layout::flat && work.done == TreeUpdate::rebuild) placed.set_changed = true;
+  work.add(state.tlas.update(scene, state.instances, placed, options.layout, how, executor));
   state.instances.note_bounds(state.tlas.bounds());
 
   state.tlas.show(state.view);
@@ -182,20 +232,24 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   s.structure = "bvh";
   s.layout = name(options.layout);
   s.moved_instances = changes.moved_instances.size();
-  s.nodes_refitted = meshes.nodes_refitted + placed.baked.nodes_refitted + top.nodes_refitted;
-  s.nodes_rebuilt = meshes.nodes_rebuilt + placed.baked.nodes_rebuilt + top.nodes_rebuilt;
+  tell(work, s);
   if (!todo.empty() || !changes.removed_meshes.empty()) state.warn_of_dropped(scene);
   s.warnings = state.mesh_warnings;
   s.warnings.insert(s.warnings.end(), state.instances.warnings().begin(),
                     state.instances.warnings().end());
   state.count(scene, s);
   state.list_left_out(scene, changes, todo.size(), hidden, s);
+  if (options.policy == Policy::automatic) s.left_out.push_back(reason(work));
   s.update_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   state.last_options = options;
   state.last_width = width;
   state.last = s;
   return s;
+}
+
+void Accelerator::note_rays(std::uint64_t rays) {
+  state_->rays_traced += rays;
 }
 
 const trace::TraceView& Accelerator::view() const {

@@ -34,6 +34,10 @@ class Accelerator {
   UpdateStatistics update(const Scene& scene, const ChangeSet& changes,
                           const UpdateOptions& options, int width, Executor& executor);
 
+  /// Tells how many rays were traced: what trees are worth depends on it. Not to be called by two
+  /// threads at once.
+  void note_rays(std::uint64_t rays);
+
   /// Valid until the next `update`.
   const trace::TraceView& view() const;
 

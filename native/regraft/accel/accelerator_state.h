@@ -29,14 +29,19 @@ struct Accelerator::State {
   /// What the last update was asked for and said, for an update with nothing to do.
   UpdateOptions last_options;
   int last_width = 0;
+  /// Rays since the last update, and of the last frame that had any; at first a guess.
+  std::uint64_t rays_traced = 0;
+  double frame_rays = 262144.0;
   UpdateStatistics last;
 
   void note(const ChangeSet& changes, std::size_t mesh_count);
   void mark(std::uint32_t mesh, Pending what);
   void renew_trees();
   std::vector<std::uint8_t> seen_meshes(const Scene& scene) const;
-  TreeWork update_meshes(const Scene& scene, std::span<const std::uint32_t> todo, Policy policy,
-                         int width, Executor& executor);
+  Tending tending(const UpdateOptions& options, int width);
+  std::vector<double> rays_by_mesh(const Scene& scene) const;
+  TreeWork update_meshes(const Scene& scene, std::span<const std::uint32_t> todo, Layout layout,
+                         const Tending& how, Executor& executor);
   void warn_of_dropped(const Scene& scene);
   void count(const Scene& scene, UpdateStatistics& statistics) const;
   void list_left_out(const Scene& scene, const ChangeSet& changes, std::size_t updated,

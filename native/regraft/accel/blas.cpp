@@ -4,7 +4,6 @@
 #include <atomic>
 
 #include "regraft/accel/triangle_bounds.h"
-#include "regraft/bvh/binned_sah_builder.h"
 #include "regraft/bvh/validate.h"
 
 namespace regraft::accel {
@@ -30,53 +29,71 @@ std::vector<std::uint8_t> degenerate_flags(const Mesh& mesh, Executor& executor)
 }
 }  // namespace
 
-TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Policy policy, int width,
+TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Layout layout, const Tending& how,
                       Executor& executor) {
-  const bool topology = topology_changed || wide_.width() != width;
-  const bool dead_wake = exists_ && !topology && revived(mesh);
-  TreeState state{exists_, topology || dead_wake, true, wear()};
-  TreeUpdate todo = choose_update(state, policy);
+  const bool other_prims = !exists_ || topology_changed || revived(mesh);
   TreeWork work;
-  if (todo == TreeUpdate::refit) {
-    now_ = refit(mesh, executor);
-    work.nodes_refitted = now_.nodes;
-    // The refit has just measured this frame's damage: a tree found worn out is not traced.
-    state.wear = wear();
-    todo = choose_update(state, policy);
-    if (todo == TreeUpdate::refit) {
-      wide_.refit(bvh_, executor);
-      refitted_ = true;
+  if (layout == Layout::flat) {
+    tree_ = {};
+    work.done = other_prims ? TreeUpdate::rebuild : TreeUpdate::refit;
+    if (other_prims || prims_.empty()) sort_out(mesh, executor);
+    measure(mesh, executor);
+  } else {
+    work.done = tree_.choose(other_prims, true, how);
+    if (work.done != TreeUpdate::rebuild) tend(mesh, how, executor, work);
+    if (work.done == TreeUpdate::rebuild) {
+      build(mesh, how, executor);
+      work.nodes_rebuilt = bvh().node_count();
     }
   }
-  if (todo == TreeUpdate::rebuild) {
-    build(mesh, width, executor);
-    work.nodes_rebuilt = bvh_.node_count();
-  }
-  work.done = todo;
+  exists_ = true;
+  refitted_ = work.done != TreeUpdate::rebuild;
   return work;
 }
 
-void Blas::build(const Mesh& mesh, int width, Executor& executor) {
-  const std::vector<Aabb> boxes = all_bounds(mesh, executor);
+/// Tells triangles that can be hit from those that cannot.
+void Blas::sort_out(const Mesh& mesh, Executor& executor) {
   const std::vector<std::uint8_t> degenerate = degenerate_flags(mesh, executor);
-  std::vector<std::uint32_t> ids;
-  ids.reserve(boxes.size());
+  prims_.clear();
+  prims_.reserve(degenerate.size());
   dropped_.clear();
-  for (std::uint32_t t = 0; t < boxes.size(); ++t)
-    (degenerate[t] == 0 ? ids : dropped_).push_back(t);
-  bvh_ = bvh::BinnedSahBuilder::build(boxes, ids, {}, executor);
-  wide_ = bvh::WideBvh::derive(bvh_, width, executor);
-  now_ = built_ = refit(mesh, executor);
-  exists_ = true;
-  refitted_ = false;
+  for (std::uint32_t t = 0; t < degenerate.size(); ++t)
+    (degenerate[t] == 0 ? prims_ : dropped_).push_back(t);
 }
 
-bvh::RefitResult Blas::refit(const Mesh& mesh, Executor& executor) {
+void Blas::build(const Mesh& mesh, const Tending& how, Executor& executor) {
+  sort_out(mesh, executor);
+  tree_.build(all_bounds(mesh, executor), prims_, {}, how, executor);
+  prims_ = {};
+  note_bounds(mesh, tree_.bounds(), 0);
+}
+
+void Blas::tend(const Mesh& mesh, const Tending& how, Executor& executor, TreeWork& work) {
   std::atomic<std::uint32_t> lost{0};
   const auto count_lost = [&] { lost.fetch_add(1, std::memory_order_relaxed); };
-  const auto bounds = [&](std::uint32_t t) { return fast_triangle_bounds(mesh, t, count_lost); };
-  const bvh::RefitResult result = bvh::refit(bvh_, bounds, executor);
-  extent_ = bvh_.bounds();
+  tree_.refit([&](std::uint32_t t) { return fast_triangle_bounds(mesh, t, count_lost); }, how,
+              executor);
+  tree_.mend([&](std::uint32_t t) { return fast_triangle_bounds(mesh, t); }, {}, how, executor,
+             work);
+  note_bounds(mesh, tree_.bounds(), lost);
+}
+
+void Blas::measure(const Mesh& mesh, Executor& executor) {
+  std::vector<bvh::Box4> boxes(prims_.size() / grain + 1);
+  std::atomic<std::uint32_t> lost{0};
+  executor.parallel_for(prims_.size(), grain, [&](std::size_t begin, std::size_t end) {
+    bvh::Box4 box;
+    for (std::size_t i = begin; i < end; ++i)
+      box.extend(fast_triangle_bounds(mesh, prims_[i],
+                                      [&] { lost.fetch_add(1, std::memory_order_relaxed); }));
+    boxes[begin / grain] = box;
+  });
+  for (const bvh::Box4& box : boxes) boxes[0].extend(box);
+  note_bounds(mesh, boxes[0].aabb(), lost);
+}
+
+void Blas::note_bounds(const Mesh& mesh, const Aabb& bounds, std::uint32_t lost) {
+  bounds_ = extent_ = bounds;
   non_finite_ = lost;
   zero_area_ = 0;
   for (const std::uint32_t t : dropped_) {
@@ -84,7 +101,6 @@ bvh::RefitResult Blas::refit(const Mesh& mesh, Executor& executor) {
     extent_.extend(box);
     ++(box.empty() ? non_finite_ : zero_area_);
   }
-  return result;
 }
 
 bool Blas::revived(const Mesh& mesh) const {
@@ -94,13 +110,12 @@ bool Blas::revived(const Mesh& mesh) const {
 
 trace::MeshView Blas::view(const Mesh& mesh) const {
   trace::MeshView view;
-  if (bvh_.bounds().empty()) return view;
+  if (bounds_.empty()) return view;
   view.vertices = &mesh.vertices[0].x;
   view.triangles = &mesh.triangles[0].x;
-  view.nodes = wide_.width() == 8 ? static_cast<const void*>(wide_.nodes<8>())
-                                  : static_cast<const void*>(wide_.nodes<4>());
-  view.prim_ids = bvh_.prim_ids.data();
-  view.prim_count = std::uint32_t(bvh_.prim_ids.size());
+  view.nodes = tree_.exists() ? tree_.wide_nodes() : nullptr;
+  view.prim_ids = prims().data();
+  view.prim_count = std::uint32_t(prims().size());
   view.magnitude = extent_.magnitude();
   const Vec3d center = 0.5 * (Vec3d(extent_.lo) + Vec3d(extent_.hi));
   for (int k = 0; k < 3; ++k) view.center[k] = center[k];
@@ -111,17 +126,18 @@ trace::MeshView Blas::view(const Mesh& mesh) const {
 }
 
 std::size_t Blas::bytes() const {
-  return bvh_.bytes() + wide_.bytes() + dropped_.capacity() * sizeof(std::uint32_t);
+  return tree_.bytes() + (prims_.capacity() + dropped_.capacity()) * sizeof(std::uint32_t);
 }
 
 std::string Blas::validate(const Mesh& mesh) const {
+  if (!tree_.exists()) return "";
   std::vector<Aabb> boxes(mesh.triangles.size());
   std::vector<std::uint32_t> ids;
   for (std::uint32_t t = 0; t < boxes.size(); ++t) {
     boxes[t] = triangle_bounds(mesh, t);
     if (!std::binary_search(dropped_.begin(), dropped_.end(), t)) ids.push_back(t);
   }
-  return bvh::validate(bvh_, boxes, ids);
+  return bvh::validate(tree_.bvh(), boxes, ids);
 }
 
 }  // namespace regraft::accel

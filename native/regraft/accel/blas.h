@@ -4,21 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "regraft/accel/update_policy.h"
-#include "regraft/bvh/refit.h"
-#include "regraft/bvh/wide_bvh.h"
+#include "regraft/accel/kept_tree.h"
 #include "regraft/core/executor.h"
 #include "regraft/scene/mesh.h"
 #include "regraft/trace/trace_view.h"
 
 namespace regraft::accel {
-
-/// What one tree's update did.
-struct TreeWork {
-  TreeUpdate done = TreeUpdate::none;
-  std::uint64_t nodes_refitted = 0;
-  std::uint64_t nodes_rebuilt = 0;
-};
 
 /// One mesh's tree in the mesh's own frame, and the wide layout that rays traverse.
 ///
@@ -26,15 +17,21 @@ struct TreeWork {
 /// life, the tree is built anew.
 class Blas {
  public:
-  /// Brings the tree in line with `mesh`. `width`: slots of the wide nodes.
-  TreeWork update(const Mesh& mesh, bool topology_changed, Policy policy, int width,
+  /// Brings the tree in line with `mesh`. In the flat layout there is none, only what is known of
+  /// the mesh as a whole; `done` then says rebuild if other triangles than before can be hit.
+  TreeWork update(const Mesh& mesh, bool topology_changed, Layout layout, const Tending& how,
                   Executor& executor);
 
   bool exists() const { return exists_; }
-  const bvh::Bvh& bvh() const { return bvh_; }
-  Aabb bounds() const { return bvh_.bounds(); }
-  double sah_cost() const { return now_.sah_cost; }
-  double wear() const { return now_.wear(built_); }
+  const bvh::Bvh& bvh() const { return tree_.bvh(); }
+  /// Triangles that rays can meet.
+  std::span<const std::uint32_t> prims() const {
+    return tree_.exists() ? tree_.bvh().prim_ids : prims_;
+  }
+  /// Box of those triangles.
+  Aabb bounds() const { return bounds_; }
+  double sah_cost() const { return tree_.sah_cost(); }
+  double wear() const { return tree_.wear(); }
   /// Triangles no ray can meet: not finite, and of zero area when the tree was built.
   std::uint32_t non_finite() const { return non_finite_; }
   std::uint32_t zero_area() const { return zero_area_; }
@@ -44,17 +41,19 @@ class Blas {
   std::string validate(const Mesh& mesh) const;
 
  private:
-  void build(const Mesh& mesh, int width, Executor& executor);
-  bvh::RefitResult refit(const Mesh& mesh, Executor& executor);
+  void sort_out(const Mesh& mesh, Executor& executor);
+  void build(const Mesh& mesh, const Tending& how, Executor& executor);
+  void tend(const Mesh& mesh, const Tending& how, Executor& executor, TreeWork& work);
+  void measure(const Mesh& mesh, Executor& executor);
+  void note_bounds(const Mesh& mesh, const Aabb& bounds, std::uint32_t lost);
   bool revived(const Mesh& mesh) const;
 
-  bvh::Bvh bvh_;
-  bvh::WideBvh wide_;
+  KeptTree tree_;
+  std::vector<std::uint32_t> prims_;  ///< without a tree, ascending
   std::vector<std::uint32_t> dropped_;
   std::uint32_t non_finite_ = 0;
   std::uint32_t zero_area_ = 0;
-  bvh::RefitResult now_;
-  bvh::RefitResult built_;
+  Aabb bounds_;
   /// Box of all finite triangles, even those left out: it depends on the mesh alone, not on when
   /// the tree was built, and so does what is decided by it.
   Aabb extent_;

@@ -169,8 +169,8 @@ void InstanceSet::place(const Scene& scene, std::size_t i) {
   }
 }
 
-void InstanceSet::bake(const Scene& scene, std::size_t i, bool topology_changed, Policy policy,
-                       int width, Executor& executor, TreeWork& work) {
+void InstanceSet::bake(const Scene& scene, std::size_t i, bool topology_changed, Layout layout,
+                       const Tending& how, Executor& executor, TreeWork& work) {
   const Instance& instance = scene.instances()[ids_[i]];
   const Mesh& source = scene.meshes()[instance.mesh];
   std::unique_ptr<Baked>& slot = baked_[ids_[i]];
@@ -182,16 +182,13 @@ void InstanceSet::bake(const Scene& scene, std::size_t i, bool topology_changed,
     slot->mesh.vertices[v] = Vec3(linear * Vec3d(source.vertices[v]));
   topology_changed |= slot->mesh.triangles != source.triangles;
   if (topology_changed) slot->mesh.triangles = source.triangles;
-  const TreeWork done = slot->blas.update(slot->mesh, topology_changed, policy, width, executor);
-  work.nodes_refitted += done.nodes_refitted;
-  work.nodes_rebuilt += done.nodes_rebuilt;
-  work.done = std::max(work.done, done.done);
+  work.add(slot->blas.update(slot->mesh, topology_changed, layout, how, executor));
 }
 
 InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Blas> blases,
                                          const ChangeSet& changes,
                                          std::span<const std::uint8_t> changed_meshes,
-                                         Policy policy, int width, Executor& executor) {
+                                         Layout layout, const Tending& how, Executor& executor) {
   Changes result;
   std::vector<std::uint8_t> affected(scene.instances().size(), 0);
   for (const std::uint32_t id : changes.moved_instances) affected[id] = 1;
@@ -209,12 +206,13 @@ InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Bla
   result.set_changed |= unbaked != 0;
   std::vector<std::size_t> stale;
   for (std::size_t i = 0; i < ids_.size(); ++i)
-    if (result.set_changed || affected[ids_[i]] != 0) stale.push_back(i);
+    if (result.set_changed || affected[ids_[i]] != 0 || layout != layout_) stale.push_back(i);
   for (const std::size_t i : stale) {
     const Instance& instance = scene.instances()[ids_[i]];
     const bool known = baked_.contains(ids_[i]);
-    if (classify(instance.object_to_world) == Placement::bake && (!known || affected[ids_[i]] != 0))
-      bake(scene, i, !known, policy, width, executor, result.baked);
+    if (classify(instance.object_to_world) == Placement::bake &&
+        (!known || affected[ids_[i]] != 0 || layout != layout_))
+      bake(scene, i, !known || layout != layout_, layout, how, executor, result.baked);
     result.set_changed |= known != baked_.contains(ids_[i]);
   }
   const bool trees_moved = result.set_changed || blases.data() != blases_;
@@ -227,7 +225,8 @@ InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Bla
   executor.parallel_for(stale.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) place(scene, stale[i]);
   });
-  result.moved = stale.size();
+  layout_ = layout;
+  result.moved = std::move(stale);
   return result;
 }
 

@@ -22,14 +22,15 @@ class InstanceSet {
  public:
   struct Changes {
     bool set_changed = false;  ///< other instances than before, or another origin
-    std::uint64_t moved = 0;   ///< instances whose box or matrix was recomputed
+    /// Instances whose box or matrix was recomputed, by their place in `views`.
+    std::vector<std::size_t> moved;
     /// Work on trees of baked instances; `done` is the most that was done to any of them.
     TreeWork baked;
   };
 
   /// `blases` by mesh id, up to date. `changed_meshes[m]`: mesh m's geometry changed.
   Changes update(const Scene& scene, std::span<const Blas> blases, const ChangeSet& changes,
-                 std::span<const std::uint8_t> changed_meshes, Policy policy, int width,
+                 std::span<const std::uint8_t> changed_meshes, Layout layout, const Tending& how,
                  Executor& executor);
 
   /// Tells the set where the top tree ended up, so that it notices when the scene has wandered
@@ -60,8 +61,8 @@ class InstanceSet {
   bool collect(const Scene& scene, std::span<const Blas> blases);
   bool choose_origin(const Scene& scene, std::span<const Blas> blases, Executor& executor);
   void place(const Scene& scene, std::size_t i);
-  void bake(const Scene& scene, std::size_t i, bool topology_changed, Policy policy, int width,
-            Executor& executor, TreeWork& work);
+  void bake(const Scene& scene, std::size_t i, bool topology_changed, Layout layout,
+            const Tending& how, Executor& executor, TreeWork& work);
 
   std::vector<std::uint32_t> ids_;
   std::vector<trace::InstanceView> views_;
@@ -71,6 +72,7 @@ class InstanceSet {
   std::map<std::uint32_t, std::unique_ptr<Baked>> baked_;
   std::vector<std::string> warnings_;
   Vec3d origin_{0.0};
+  Layout layout_ = Layout::two_level;
   bool wandered_ = false;
 };
 

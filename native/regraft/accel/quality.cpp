@@ -55,7 +55,7 @@ struct AreaTable {
     for (std::uint32_t i = 0; i < instances.views().size(); ++i) {
       const Mesh& mesh = instances.mesh(scene, i);
       const Mat3d linear(instances.frame(i));
-      for (const std::uint32_t t : instances.tree(i).bvh().prim_ids) {
+      for (const std::uint32_t t : instances.tree(i).prims()) {
         const Sample who_is{i, t, flat++, {}};
         const Triangle& c = mesh.triangles[t];
         const Vec3d a(mesh.vertices[c.x]);

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "regraft/accel/triangle_bounds.h"
-#include "regraft/bvh/binned_sah_builder.h"
 #include "regraft/bvh/validate.h"
 
 namespace regraft::accel {
@@ -22,63 +21,82 @@ Aabb flat_bounds(const Scene& scene, const InstanceSet& instances, const trace::
 
 }  // namespace
 
+bvh::BinnedSahBuilder::Config Tlas::builder() const {
+  bvh::BinnedSahBuilder::Config config;
+  // Entering an instance means a transform and a tree of its own: never two in one leaf.
+  if (layout_ == Layout::two_level) config.max_leaf = 1;
+  return config;
+}
+
 void Tlas::collect_primitives(const Scene& scene, const InstanceSet& instances,
                               Executor& executor) {
   const auto views = instances.views();
   ids_.clear();
   flat_.clear();
-  if (layout_ == Layout::two_level) {
-    boxes_.resize(views.size());
-  } else {
-    for (std::uint32_t i = 0; i < views.size(); ++i)
-      for (const std::uint32_t prim : instances.tree(i).bvh().prim_ids) flat_.push_back({i, prim});
-    boxes_.resize(flat_.size());
+  begin_.clear();
+  for (std::uint32_t i = 0; i < views.size() && layout_ == Layout::flat; ++i) {
+    begin_.push_back(std::uint32_t(flat_.size()));
+    for (const std::uint32_t prim : instances.tree(i).prims()) flat_.push_back({i, prim});
   }
-  measure(scene, instances, executor);
+  begin_.push_back(std::uint32_t(flat_.size()));
+  boxes_.resize(layout_ == Layout::flat ? flat_.size() : views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) measure(scene, instances, i, executor);
   for (std::uint32_t i = 0; i < boxes_.size(); ++i)
     if (!boxes_[i].empty()) ids_.push_back(i);
 }
 
-void Tlas::measure(const Scene& scene, const InstanceSet& instances, Executor& executor) {
-  executor.parallel_for(boxes_.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (layout_ == Layout::flat) {
-        boxes_[i] = flat_bounds(scene, instances, flat_[i]);
-        continue;
-      }
-      const trace::InstanceView& v = instances.views()[i];
-      boxes_[i] = {Vec3(v.lo[0], v.lo[1], v.lo[2]), Vec3(v.hi[0], v.hi[1], v.hi[2])};
-    }
+void Tlas::measure(const Scene& scene, const InstanceSet& instances, std::size_t instance,
+                   Executor& executor) {
+  if (layout_ == Layout::two_level) {
+    const trace::InstanceView& v = instances.views()[instance];
+    boxes_[instance] = {Vec3(v.lo[0], v.lo[1], v.lo[2]), Vec3(v.hi[0], v.hi[1], v.hi[2])};
+    return;
+  }
+  const std::uint32_t first = begin_[instance];
+  executor.parallel_for(begin_[instance + 1] - first, 4096,
+                        [&](std::size_t begin, std::size_t end) {
+                          for (std::size_t i = first + begin; i < first + end; ++i)
+                            boxes_[i] = flat_bounds(scene, instances, flat_[i]);
+                        });
+}
+
+void Tlas::measure_moved(const Scene& scene, const InstanceSet& instances,
+                         const InstanceSet::Changes& placed, Executor& executor) {
+  executor.parallel_for(placed.moved.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) measure(scene, instances, placed.moved[i], executor);
   });
 }
 
-TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances, Layout layout,
-                      bool set_changed, bool moved, Policy policy, int width, Executor& executor) {
-  const bool topology = set_changed || layout != layout_ || width != wide_.width();
+/// Entering an instance costs what its tree costs.
+void Tlas::weigh(const InstanceSet& instances) {
+  std::vector<double> costs;
+  for (std::size_t i = 0; i < instances.views().size() && layout_ == Layout::two_level; ++i)
+    costs.push_back(1.0 + instances.tree(i).sah_cost());
+  tree_.set_prim_costs(std::move(costs));
+}
+
+TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances,
+                      const InstanceSet::Changes& placed, Layout layout, const Tending& how,
+                      Executor& executor) {
+  const bool other_prims = placed.set_changed || layout != layout_;
   layout_ = layout;
-  TreeState state{exists_, topology, moved, now_.wear(built_)};
-  TreeWork work{choose_update(state, policy)};
-  if (work.done == TreeUpdate::refit) {
-    measure(scene, instances, executor);
-    now_ = refit(executor);
-    work.nodes_refitted = now_.nodes;
-    state.wear = now_.wear(built_);
-    state.topology_changed = !holds_all();
-    work.done = choose_update(state, policy);
-    if (work.done == TreeUpdate::refit) wide_.refit(bvh_, executor);
+  TreeWork work;
+  work.done = tree_.choose(other_prims, !placed.moved.empty(), how);
+  if (work.done == TreeUpdate::none) return work;
+  weigh(instances);
+  const auto box = [&](std::uint32_t i) { return bvh::Box4(boxes_[i]); };
+  if (!other_prims && tree_.exists()) measure_moved(scene, instances, placed, executor);
+  if (work.done != TreeUpdate::rebuild && holds_all()) {
+    tree_.refit(box, how, executor);
+    tree_.mend(box, builder(), how, executor, work);
+  } else {
+    work.done = TreeUpdate::rebuild;
   }
   if (work.done == TreeUpdate::rebuild) {
-    collect_primitives(scene, instances, executor);
-    bvh::BinnedSahBuilder::Config config;
-    if (layout_ == Layout::two_level) {
-      // Entering an instance means a transform and a tree of its own: never two in one leaf.
-      config.max_leaf = 1;
-    }
-    bvh_ = bvh::BinnedSahBuilder::build(boxes_, ids_, config, executor);
-    wide_ = bvh::WideBvh::derive(bvh_, width, executor);
-    now_ = built_ = refit(executor);
-    work.nodes_rebuilt = bvh_.node_count();
-    exists_ = true;
+    if (other_prims || !tree_.exists() || !holds_all())
+      collect_primitives(scene, instances, executor);
+    tree_.build(boxes_, ids_, builder(), how, executor);
+    work.nodes_rebuilt = bvh().node_count();
   }
   return work;
 }
@@ -91,57 +109,54 @@ bool Tlas::holds_all() const {
   return true;
 }
 
-bvh::RefitResult Tlas::refit(Executor& executor) {
-  return bvh::refit(
-      bvh_, [&](std::uint32_t i) { return bvh::Box4(boxes_[i]); }, executor);
-}
-
 double Tlas::sah_cost(const InstanceSet& instances) const {
-  return layout_ == Layout::flat ? now_.sah_cost : cost_through(instances, false);
+  return layout_ == Layout::flat ? tree_.sah_cost() : cost_through(instances, false);
 }
 
 double Tlas::unworn_cost(const InstanceSet& instances) const {
-  const double below = layout_ == Layout::flat ? now_.sah_cost : cost_through(instances, true);
-  return below / now_.wear(built_);
+  const double below = layout_ == Layout::flat ? tree_.sah_cost() : cost_through(instances, true);
+  return below / tree_.wear();
 }
 
 double Tlas::cost_through(const InstanceSet& instances, bool unworn) const {
+  const bvh::Bvh& tree = bvh();
   double sum = 0.0;
-  const Aabb root = bvh_.bounds();
-  for (std::size_t n = 0; n < bvh_.nodes.size(); ++n) {
-    if (n == 1) continue;
-    const bvh::Node& node = bvh_.nodes[n];
+  const Aabb root = tree.bounds();
+  std::vector<std::uint32_t> open;
+  if (!tree.empty()) open.push_back(0);
+  while (!open.empty()) {
+    const bvh::Node& node = tree.nodes[open.back()];
+    open.pop_back();
     const double probability = hit_probability(node.bounds(), root);
     if (!node.leaf()) {
       sum += probability;
+      open.insert(open.end(), {node.first, node.first + 1});
       continue;
     }
     for (std::uint32_t i = 0; i < node.count; ++i) {
-      const Blas& tree = instances.tree(bvh_.prim_ids[node.first + i]);
-      sum += probability * (unworn ? tree.sah_cost() / tree.wear() : tree.sah_cost());
+      const Blas& blas = instances.tree(tree.prim_ids[node.first + i]);
+      sum += probability * (unworn ? blas.sah_cost() / blas.wear() : blas.sah_cost());
     }
   }
   return sum;
 }
 
 void Tlas::show(trace::TraceView& view) const {
-  view.top_nodes = nullptr;
-  if (!wide_.empty())
-    view.top_nodes = wide_.width() == 8 ? static_cast<const void*>(wide_.nodes<8>())
-                                        : static_cast<const void*>(wide_.nodes<4>());
-  view.width = wide_.width();
-  view.top_prims = bvh_.prim_ids.data();
+  view.top_nodes = tree_.wide_nodes();
+  view.width = tree_.width();
+  view.top_prims = bvh().prim_ids.data();
   view.flat = layout_ == Layout::flat ? flat_.data() : nullptr;
-  view.magnitude = bvh_.bounds().magnitude();
+  view.magnitude = bounds().magnitude();
 }
 
 std::size_t Tlas::bytes() const {
-  return bvh_.bytes() + wide_.bytes() + boxes_.capacity() * sizeof(Aabb) +
-         flat_.capacity() * sizeof(trace::FlatPrim) + ids_.capacity() * sizeof(std::uint32_t);
+  return tree_.bytes() + boxes_.capacity() * sizeof(Aabb) +
+         flat_.capacity() * sizeof(trace::FlatPrim) +
+         (ids_.capacity() + begin_.capacity()) * sizeof(std::uint32_t);
 }
 
 std::string Tlas::validate() const {
-  return bvh::validate(bvh_, boxes_, ids_);
+  return bvh::validate(bvh(), boxes_, ids_);
 }
 
 }  // namespace regraft::accel

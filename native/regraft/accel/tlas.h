@@ -6,8 +6,7 @@
 
 #include "regraft/accel/blas.h"
 #include "regraft/accel/instance_set.h"
-#include "regraft/bvh/refit.h"
-#include "regraft/bvh/wide_bvh.h"
+#include "regraft/accel/kept_tree.h"
 
 namespace regraft::accel {
 
@@ -15,13 +14,14 @@ namespace regraft::accel {
 /// instances (`two-level`) or over every triangle of every instance (`flat`).
 class Tlas {
  public:
-  /// Brings the tree in line with the instances. `moved`: some box changed; `set_changed`: other
-  /// primitives than before.
-  TreeWork update(const Scene& scene, const InstanceSet& instances, Layout layout, bool set_changed,
-                  bool moved, Policy policy, int width, Executor& executor);
+  /// Brings the tree in line with the instances. `placed.set_changed`: other primitives than
+  /// before.
+  TreeWork update(const Scene& scene, const InstanceSet& instances,
+                  const InstanceSet::Changes& placed, Layout layout, const Tending& how,
+                  Executor& executor);
 
-  Aabb bounds() const { return bvh_.bounds(); }
-  const bvh::Bvh& bvh() const { return bvh_; }
+  Aabb bounds() const { return tree_.bounds(); }
+  const bvh::Bvh& bvh() const { return tree_.bvh(); }
   /// Expected tests of a ray that hits the scene's box, down through the instances' trees.
   double sah_cost(const InstanceSet& instances) const;
   /// The same if no tree had worn since its last build.
@@ -33,22 +33,24 @@ class Tlas {
   std::string validate() const;
 
  private:
-  bvh::RefitResult refit(Executor& executor);
+  bvh::BinnedSahBuilder::Config builder() const;
   bool holds_all() const;
-  void measure(const Scene& scene, const InstanceSet& instances, Executor& executor);
+  void measure(const Scene& scene, const InstanceSet& instances, std::size_t instance,
+               Executor& executor);
+  void measure_moved(const Scene& scene, const InstanceSet& instances,
+                     const InstanceSet::Changes& placed, Executor& executor);
   void collect_primitives(const Scene& scene, const InstanceSet& instances, Executor& executor);
+  void weigh(const InstanceSet& instances);
   double cost_through(const InstanceSet& instances, bool unworn) const;
 
   Layout layout_ = Layout::two_level;
-  bvh::Bvh bvh_;
-  bvh::WideBvh wide_;
+  KeptTree tree_;
   std::vector<Aabb> boxes_;
   std::vector<trace::FlatPrim> flat_;
+  /// Flat: where each instance's primitives begin, and the end of the last.
+  std::vector<std::uint32_t> begin_;
   /// Those with a box, ascending: they are in the tree.
   std::vector<std::uint32_t> ids_;
-  bvh::RefitResult now_;
-  bvh::RefitResult built_;
-  bool exists_ = false;
 };
 
 }  // namespace regraft::accel

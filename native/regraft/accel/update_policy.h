@@ -3,9 +3,20 @@
 #include <cstdint>
 #include <string_view>
 
+#include "regraft/bvh/restructuring_benefit.h"
+
 namespace regraft::accel {
 
-enum class Policy : std::uint8_t { automatic, refit, rebuild };
+/// How trees follow motion: see docs/how-it-works.md.
+enum class Policy : std::uint8_t {
+  automatic,
+  refit,
+  rebuild,
+  lm,
+  rtdeform,
+  selective,
+  selective_rotate
+};
 enum class Structure : std::uint8_t { automatic, bvh };
 enum class Layout : std::uint8_t { two_level, flat };
 
@@ -15,25 +26,53 @@ struct UpdateOptions {
   Layout layout = Layout::two_level;
   /// Frames of the shot still to come; 0: unknown.
   std::uint32_t frames_left = 0;
+  /// What a machine takes for what, in box tests.
+  bvh::RestructureConfig costs;
 };
 
-enum class TreeUpdate : std::uint8_t { none, refit, rebuild };
+enum class TreeUpdate : std::uint8_t { none, refit, restructure, rebuild };
 
-/// `auto` rebuilds a tree whose wear (bvh::RefitResult) has grown to this since its last build:
-/// about where a frame's extra tests cost as much as the build that would save them.
-inline constexpr double worn_out = 1.3;
+/// What a tree is told when it is updated.
+struct Tending {
+  Policy policy = Policy::automatic;
+  int width = 8;
+  /// Rays of the last frame that were likely to reach the tree.
+  double rays = 0.0;
+  std::uint32_t frames_left = 0;
+  bvh::RestructureConfig costs;
+};
+
+/// How `auto` has fared with a tree of late.
+struct Habit {
+  std::uint32_t frames = 0;
+  std::uint32_t quiet = 0;     ///< frames in a row in which nothing was restructured
+  std::uint32_t rebuilds = 0;  ///< frames in a row in which all was built anew
+
+  void note(TreeUpdate done);
+  /// Measuring pays only where something happens: after five quiet frames every fourth is measured.
+  bool measures() const { return quiet < 5 || frames % 4 == 0; }
+  /// After five rebuilds in a row only every tenth frame asks whether less would do.
+  bool rebuilds_blindly() const { return rebuilds >= 5 && frames % 10 != 0; }
+};
 
 /// What is known of one tree when its update is chosen.
 struct TreeState {
   bool exists = false;
   bool topology_changed = false;
   bool moved = false;
-  /// How much worse it has become since its last build; see bvh::RefitResult.
-  double wear = 1.0;
+  bool refitted = false;  ///< what follows was measured in this frame
+  /// Whether the tests that a rebuild promises to save are worth its cost.
+  bool worth_rebuilding = false;
+  /// Σ A(n)/(A(L)+A(R)) over that just after the build.
+  double ratio_change = 1.0;
+  Habit habit;
 };
 
-/// The one place where refit or rebuild is decided.
+/// The one place where refit, restructure or rebuild is decided.
 TreeUpdate choose_update(const TreeState& tree, Policy policy);
+
+/// Whether a policy needs the metrics of bvh::LivingBvh in this frame.
+bool wants_metrics(Policy policy, const Habit& habit);
 
 std::string_view name(Policy policy);
 std::string_view name(Layout layout);

@@ -22,6 +22,10 @@ struct UpdateStatistics {
   std::uint64_t nodes_rebuilt = 0;
   std::uint64_t pairs_considered = 0;
   std::uint64_t pairs_restructured = 0;
+  /// Of each pair tried: expected tests a frame that were to be saved, and that were.
+  std::vector<double> predicted_benefits;
+  std::vector<double> realised_savings;
+  double select_ms = 0.0;  ///< choosing pairs and restructuring them
   double culling_efficiency = 0.0;
   double cost_ratio = 1.0;
   std::uint64_t kdtree_nodes = 0;

@@ -69,6 +69,8 @@ accel::UpdateStatistics reported(accel::UpdateStatistics s) {
   s.update_ms = 0.0;
   s.moved_instances = s.deformed_meshes = s.deformed_triangles = 0;
   s.nodes_refitted = s.nodes_rebuilt = s.pairs_considered = s.pairs_restructured = 0;
+  s.predicted_benefits = s.realised_savings = {};
+  s.select_ms = 0.0;
   s.left_out = {"nothing changed since the last frame: no update"};
   return s;
 }
@@ -107,6 +109,8 @@ Frame Renderer::render(const Camera& camera, const RenderSettings& settings) {
   static_cast<accel::UpdateStatistics&>(frame.statistics) = last_update_;
   last_update_ = reported(std::move(last_update_));
   set_counts(loop.tally().rays, frame.statistics);
+  accelerator_.note_rays(frame.statistics.rays_primary + frame.statistics.rays_shadow +
+                         frame.statistics.rays_secondary);
   list_left_out(picture, loop.tally(), frame.statistics);
   set_times(loop.tally(), milliseconds_since(start), frame.statistics);
   return frame;

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "regraft/accel/update_policy.h"
+#include "regraft/bvh/selective_restructure.h"
+#include "regraft/bvh/wide_bvh.h"
+#include "regraft/core/executor.h"
+
+namespace regraft::accel {
+
+/// What one tree's update did.
+struct TreeWork {
+  TreeUpdate done = TreeUpdate::none;
+  std::uint64_t nodes_refitted = 0;
+  std::uint64_t nodes_rebuilt = 0;
+  std::uint64_t pairs_considered = 0;
+  /// Tried pairs: expected tests of a frame that were to be saved, and that were.
+  std::vector<bvh::Restructured> operations;
+  double select_ms = 0.0;
+
+  void add(const TreeWork& other);
+};
+
+/// A binary tree kept alive from frame to frame by any policy, with the wide layout that rays
+/// traverse: the part that trees of meshes and the top tree share. Holds no geometry: boxes come
+/// with each call.
+class KeptTree {
+ public:
+  /// What is to be done before anything is measured; see `choose_update`.
+  TreeUpdate choose(bool topology_changed, bool moved, const Tending& how) const;
+
+  /// Builds the tree anew over the primitives `ids`, primitive i having `boxes[i]`.
+  void build(std::span<const Aabb> boxes, std::span<const std::uint32_t> ids,
+             const bvh::BinnedSahBuilder::Config& builder, const Tending& how, Executor& executor);
+
+  /// Follows the motion of the primitives.
+  template <bvh::PrimitiveBounds F>
+  void refit(const F& bounds, const Tending& how, Executor& executor) {
+    measure_if_asked(how);
+    now_ = wants_metrics(how.policy, habit_) ? bvh::refit(tree_, bounds, executor)
+                                             : bvh::refit(tree_.bvh, bounds, executor);
+  }
+
+  /// After `refit`: what the policy says of the tree as it is now is done, but for rebuilding it,
+  /// which is left to the caller. `work` receives what was done.
+  void mend(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
+            const Tending& how, Executor& executor, TreeWork& work);
+
+  /// Expected tests of a ray that enters each primitive, where it is not that of a triangle.
+  void set_prim_costs(std::vector<double> costs) { tree_.prim_costs = std::move(costs); }
+
+  bool exists() const { return exists_; }
+  const bvh::Bvh& bvh() const { return tree_.bvh; }
+  int width() const { return wide_.width(); }
+  /// bvh::WideNode<width>[]; null for the empty tree.
+  const void* wide_nodes() const;
+  Aabb bounds() const { return tree_.bvh.bounds(); }
+  double sah_cost() const { return now_.sah_cost; }
+  double wear() const { return now_.wear(built_); }
+  std::size_t bytes() const;
+
+ private:
+  /// What predictions are trusted at first: about what operations realise on average.
+  static constexpr double first_yield = 0.25;
+
+  void measure_if_asked(const Tending& how);
+  TreeState state(const Tending& how, Executor& executor) const;
+  void restructure(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
+                   const Tending& how, Executor& executor, TreeWork& work, bvh::Reshaping& changes);
+  void learn(const std::vector<bvh::Restructured>& operations);
+  double rebuild_promise() const;
+
+  bvh::LivingBvh tree_;
+  bvh::WideBvh wide_;
+  bvh::RefitResult now_;
+  bvh::RefitResult built_;
+  bvh::LifeTime life_;
+  /// Realised over predicted savings, of restructuring and of rebuilding.
+  double yield_ = first_yield;
+  double rebuild_yield_ = 0.5;
+  /// The tree's cost before a rebuild that is due, and what the rebuild is to save of it.
+  struct {
+    double cost = 0.0;
+    double predicted = 0.0;
+  } promise_;
+  double ratio_sum_ = 0.0;  ///< of the last build; for `rtdeform`
+  Habit habit_;
+  bool exists_ = false;
+};
+
+}  // namespace regraft::accel
