@@ -1,3 +1,4 @@
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <functional>
@@ -92,12 +93,27 @@ void bind_fields(py::class_<S>& type) {
   });
 }
 
+py::array_t<double> array(const std::vector<double>& values) {
+  return {py::ssize_t(values.size()), values.data()};
+}
+
 }  // namespace
 
 void bind_statistics(py::module_& module) {
   py::class_<UpdateStatistics> update(module, "UpdateStatistics",
                                       "What an update did and what the trees are like after it.");
   bind_fields(update);
+  // Beside the statistics line: for benchmarks.
+  update
+      .def_property_readonly(
+          "predicted_benefits",
+          [](const UpdateStatistics& s) { return array(s.predicted_benefits); },
+          "of each pair tried: expected tests a frame that were to be saved, float64")
+      .def_property_readonly(
+          "realised_savings", [](const UpdateStatistics& s) { return array(s.realised_savings); },
+          "of each pair tried: expected tests a frame that were saved, float64")
+      .def_readonly("select_ms", &UpdateStatistics::select_ms,
+                    "choosing pairs and restructuring them, milliseconds");
   py::class_<FrameStatistics> frame(
       module, "FrameStatistics",
       "What a frame cost. The host adds `frame`, `evaluate_ms`, `extract_ms` and `write_ms`.");

@@ -16,7 +16,7 @@ namespace {
 
 using NumberDict = Arg<"dict[str, float]">;
 
-constexpr std::array later_policies{"lm", "rtdeform", "selective", "selective+rotate", "shot"};
+constexpr std::array later_policies{"shot"};
 
 /// The value that `names` pairs with `text`. `later` are names of what is still to come.
 template <typename T, std::size_t N>
@@ -43,8 +43,14 @@ accel::UpdateOptions update_options(const std::string& policy, const std::string
   using accel::Layout;
   using accel::Policy;
   using accel::Structure;
-  static constexpr std::array<std::pair<const char*, Policy>, 3> policies{
-      {{"auto", Policy::automatic}, {"refit", Policy::refit}, {"rebuild", Policy::rebuild}}};
+  static constexpr std::array<std::pair<const char*, Policy>, 7> policies{
+      {{"auto", Policy::automatic},
+       {"refit", Policy::refit},
+       {"rebuild", Policy::rebuild},
+       {"lm", Policy::lm},
+       {"rtdeform", Policy::rtdeform},
+       {"selective", Policy::selective},
+       {"selective+rotate", Policy::selective_rotate}}};
   static constexpr std::array<std::pair<const char*, Structure>, 2> structures{
       {{"auto", Structure::automatic}, {"bvh", Structure::bvh}}};
   static constexpr std::array<std::pair<const char*, Layout>, 2> layouts{
@@ -106,7 +112,8 @@ void bind_update(SceneClass& scene) {
            py::arg("layout") = "two-level", py::kw_only(), py::arg("frames_left") = py::none(),
            R"(Brings the trees up to date with the scene; free where nothing changed.
 
-policy: auto, refit or rebuild; structure: auto or bvh; layout: two-level or flat.
+policy: auto, refit, rebuild, lm, rtdeform, selective or selective+rotate;
+structure: auto or bvh; layout: two-level or flat.
 frames_left: how many frames the shot still has, if that is known. Releases the GIL.
 
 Raises ValueError for an unknown name, NotImplementedError for one that a later version

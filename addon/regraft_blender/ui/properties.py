@@ -19,6 +19,10 @@ POLICIES = (
     ("auto", "Auto", "Let Regraft choose for each frame"),
     ("refit", "Refit", "Keep the trees and only fit their boxes to what moved"),
     ("rebuild", "Rebuild", "Build the trees of what moved anew in every frame"),
+    ("selective", "Selective", "Measure the damage and mend only what is worth it"),
+    ("selective+rotate", "Selective + Rotate", "The same, with rotations of damaged nodes first"),
+    ("lm", "LM", "Rebuild subtrees whose volume has shrunk against that of their parts"),
+    ("rtdeform", "RT-DEFORM", "Rebuild all when the areas of nodes have drifted by 40 percent"),
 )
 STRUCTURES = (
     ("auto", "Auto", "Let Regraft choose"),

@@ -279,7 +279,8 @@ class Scene:
     ) -> UpdateStatistics:
         """Brings the trees up to date with the scene; free where nothing changed.
 
-        policy: auto, refit or rebuild; structure: auto or bvh; layout: two-level or flat.
+        policy: auto, refit, rebuild, lm, rtdeform, selective or selective+rotate;
+        structure: auto or bvh; layout: two-level or flat.
         frames_left: how many frames the shot still has, if that is known. Releases the GIL.
 
         Raises ValueError for an unknown name, NotImplementedError for one that a later version
@@ -413,6 +414,15 @@ class UpdateStatistics:
     memory_bytes: int
     left_out: list[str]
     warnings: list[str]
+    @property
+    def predicted_benefits(self) -> npt.NDArray[np.float64]:
+        """of each pair tried: expected tests a frame that were to be saved, float64"""
+    @property
+    def realised_savings(self) -> npt.NDArray[np.float64]:
+        """of each pair tried: expected tests a frame that were saved, float64"""
+    @property
+    def select_ms(self) -> float:
+        """choosing pairs and restructuring them, milliseconds"""
     def as_dict(self) -> dict[str, Any]:
         """All of it as a dict of plain Python values, in the order of the statistics line."""
     def __repr__(self) -> str: ...

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 SHADINGS = ("clay", "occlusion", "direct", "reflection", "cost")
-POLICIES = ("auto", "refit", "rebuild")
+POLICIES = ("auto", "refit", "rebuild", "selective", "selective+rotate", "lm", "rtdeform")
 STRUCTURES = ("auto", "bvh")
 LAYOUTS = ("two-level", "flat")
 PASSES = ("combined", "depth", "normal", "object_index", "cost")
