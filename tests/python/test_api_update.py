@@ -267,7 +267,9 @@ def built_fresh(state: dict[str, Any]) -> tuple[regraft.Scene, dict[int, int]]:
 
 
 @pytest.mark.parametrize("layout", ["two-level", "flat"])
-@pytest.mark.parametrize("policy", ["auto", "refit", "rebuild"])
+@pytest.mark.parametrize(
+    "policy", ["auto", "refit", "rebuild", "lm", "rtdeform", "selective", "selective+rotate"]
+)
 @pytest.mark.parametrize("seed", range(4))
 def test_after_random_changes_a_scene_hits_as_one_built_fresh(
     seed: int, policy: str, layout: str
