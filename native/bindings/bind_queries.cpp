@@ -68,6 +68,7 @@ HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg&
              [&](std::size_t begin, std::size_t end) {
                trace_closest(rays.batch, tracing.tracer(), scene, search, begin, end, arrays);
              });
+  if (search == Search::trees) self.renderer.note_rays(rays.batch.count);
   return hits;
 }
 
@@ -81,6 +82,7 @@ BoolArray any_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& di
              [&](std::size_t begin, std::size_t end) {
                trace_any(rays.batch, tracing.tracer(), begin, end, out);
              });
+  self.renderer.note_rays(rays.batch.count);
   return as<BoolArray>(hit);
 }
 

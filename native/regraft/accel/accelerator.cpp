@@ -79,8 +79,7 @@ void Accelerator::State::renew_trees() {
 }
 
 Tending Accelerator::State::tending(const UpdateOptions& options, int width) {
-  if (rays_traced > 0) frame_rays = double(rays_traced);
-  rays_traced = 0;
+  if (const std::uint64_t rays = rays_traced.exchange(0); rays > 0) frame_rays = double(rays);
   return {options.policy, width, frame_rays, options.frames_left, options.costs};
 }
 
@@ -249,7 +248,7 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
 }
 
 void Accelerator::note_rays(std::uint64_t rays) {
-  state_->rays_traced += rays;
+  state_->rays_traced.fetch_add(rays, std::memory_order_relaxed);
 }
 
 const trace::TraceView& Accelerator::view() const {

@@ -34,8 +34,7 @@ class Accelerator {
   UpdateStatistics update(const Scene& scene, const ChangeSet& changes,
                           const UpdateOptions& options, int width, Executor& executor);
 
-  /// Tells how many rays were traced: what trees are worth depends on it. Not to be called by two
-  /// threads at once.
+  /// Tells how many rays were traced: what trees are worth depends on it. From any thread.
   void note_rays(std::uint64_t rays);
 
   /// Valid until the next `update`.

@@ -2,6 +2,7 @@
 
 // Private to accel/: what an Accelerator holds.
 
+#include <atomic>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,7 +31,7 @@ struct Accelerator::State {
   UpdateOptions last_options;
   int last_width = 0;
   /// Rays since the last update, and of the last frame that had any; at first a guess.
-  std::uint64_t rays_traced = 0;
+  std::atomic<std::uint64_t> rays_traced{0};
   double frame_rays = 262144.0;
   UpdateStatistics last;
 

@@ -31,6 +31,9 @@ class Renderer {
 
   /// Throws std::logic_error if the scene changed since the last `update`.
   trace::Tracer tracer() const;
+  /// Rays that were traced by `tracer`: how well trees are kept depends on their number. From any
+  /// thread.
+  void note_rays(std::uint64_t rays) { accelerator_.note_rays(rays); }
   const accel::Accelerator& accelerator() const { return accelerator_; }
   simd::Isa isa() const { return isa_; }
 
