@@ -79,7 +79,12 @@ void Accelerator::State::renew_trees() {
 }
 
 Tending Accelerator::State::tending(const UpdateOptions& options, int width) {
-  if (const std::uint64_t rays = rays_traced.exchange(0); rays > 0) frame_rays = double(rays);
+  const auto tests = double(tests_done.exchange(0));
+  if (const std::uint64_t rays = rays_traced.exchange(0); rays > 0) {
+    // Where the camera looks at damage rays cost more than the average line that C speaks of: they
+    // count for as many as would cost the same.
+    frame_rays = std::fmax(double(rays), tests / std::fmax(last.culling_efficiency, 1.0));
+  }
   return {options.policy, width, frame_rays, options.frames_left, options.costs};
 }
 
@@ -247,8 +252,11 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   return s;
 }
 
-void Accelerator::note_rays(std::uint64_t rays) {
+void Accelerator::note_rays(std::uint64_t rays, std::uint64_t nodes, std::uint64_t triangles) {
+  // A wide node is opened by about half as many tests as it has slots in a binary tree.
+  const std::uint64_t tests = nodes * std::uint64_t(state_->last_width) / 2 + triangles;
   state_->rays_traced.fetch_add(rays, std::memory_order_relaxed);
+  state_->tests_done.fetch_add(tests, std::memory_order_relaxed);
 }
 
 const trace::TraceView& Accelerator::view() const {

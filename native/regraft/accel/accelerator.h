@@ -34,8 +34,9 @@ class Accelerator {
   UpdateStatistics update(const Scene& scene, const ChangeSet& changes,
                           const UpdateOptions& options, int width, Executor& executor);
 
-  /// Tells how many rays were traced: what trees are worth depends on it. From any thread.
-  void note_rays(std::uint64_t rays);
+  /// Tells how many rays were traced, and if known what wide nodes they entered and triangles they
+  /// tested: what trees are worth depends on it. From any thread.
+  void note_rays(std::uint64_t rays, std::uint64_t nodes = 0, std::uint64_t triangles = 0);
 
   /// Valid until the next `update`.
   const trace::TraceView& view() const;

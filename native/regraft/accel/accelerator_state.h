@@ -30,8 +30,10 @@ struct Accelerator::State {
   /// What the last update was asked for and said, for an update with nothing to do.
   UpdateOptions last_options;
   int last_width = 0;
-  /// Rays since the last update, and of the last frame that had any; at first a guess.
+  /// Rays since the last update and what they cost, and rays of the last frame that had any; at
+  /// first a guess.
   std::atomic<std::uint64_t> rays_traced{0};
+  std::atomic<std::uint64_t> tests_done{0};
   double frame_rays = 262144.0;
   UpdateStatistics last;
 

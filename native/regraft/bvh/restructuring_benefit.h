@@ -6,12 +6,12 @@
 
 namespace regraft::bvh {
 
-/// What restructuring weighs, in units of one ray/box test.
+/// What restructuring weighs, in units of one ray/box test; measured where a test takes 14 ns.
 struct RestructureConfig {
   /// Rebuilding m primitives costs this times m·log2(m).
-  double rebuild = 10.0;
+  double rebuild = 4.0;
   /// Looking at one pair of nodes.
-  double refine = 4.0;
+  double refine = 30.0;
   /// Pairs looked at in one update. Scenes that need more are better rebuilt.
   std::uint32_t pair_limit = 4096;
 };

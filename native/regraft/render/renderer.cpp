@@ -110,7 +110,8 @@ Frame Renderer::render(const Camera& camera, const RenderSettings& settings) {
   last_update_ = reported(std::move(last_update_));
   set_counts(loop.tally().rays, frame.statistics);
   accelerator_.note_rays(frame.statistics.rays_primary + frame.statistics.rays_shadow +
-                         frame.statistics.rays_secondary);
+                             frame.statistics.rays_secondary,
+                         frame.statistics.nodes_visited, frame.statistics.triangle_tests);
   list_left_out(picture, loop.tally(), frame.statistics);
   set_times(loop.tally(), milliseconds_since(start), frame.statistics);
   return frame;

@@ -11,7 +11,8 @@ namespace regraft::test {
 struct Living {
   Boxes boxes;
   bvh::LivingBvh tree;
-  bvh::RestructureConfig config;
+  /// Fixed, whatever machine the defaults were measured on.
+  bvh::RestructureConfig config{10.0, 4.0, 4096};
   bvh::BinnedSahBuilder::Config builder;
   /// Rays times frames: dear enough that damage of any size is worth mending.
   bvh::Outlook outlook{1e6, 1.0};
