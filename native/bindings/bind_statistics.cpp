@@ -94,7 +94,7 @@ void bind_fields(py::class_<S>& type) {
 }
 
 py::array_t<double> array(const std::vector<double>& values) {
-  return {py::ssize_t(values.size()), values.data()};
+  return py::array_t<double>(py::ssize_t(values.size()), values.data());
 }
 
 }  // namespace
