@@ -39,9 +39,9 @@ Sides by_bins(std::span<const Aabb> boxes) {
   const BinMapping mapping(centroids.aabb(), refs.size());
   BinSet bins(mapping.count());
   bins.add(mapping, refs);
-  const Split best = best_split(bins, mapping);
+  const Split best = best_split(bins, mapping, std::uint32_t(refs.size()));
   return divide(boxes.size(), [&](std::uint32_t i) {
-    return best.axis >= 0 && mapping.bin(refs[i].centroid(best.axis), best.axis) < best.bin;
+    return best.axis >= 0 && mapping.is_below(refs[i], best.axis, best.bin);
   });
 }
 
