@@ -31,7 +31,6 @@ bvh::BinnedSahBuilder::Config Tlas::builder() const {
 void Tlas::collect_primitives(const Scene& scene, const InstanceSet& instances,
                               Executor& executor) {
   const auto views = instances.views();
-  ids_.clear();
   flat_.clear();
   begin_.clear();
   for (std::uint32_t i = 0; i < views.size() && layout_ == Layout::flat; ++i) {
@@ -41,6 +40,10 @@ void Tlas::collect_primitives(const Scene& scene, const InstanceSet& instances,
   begin_.push_back(std::uint32_t(flat_.size()));
   boxes_.resize(layout_ == Layout::flat ? flat_.size() : views.size());
   for (std::size_t i = 0; i < views.size(); ++i) measure(scene, instances, i, executor);
+}
+
+void Tlas::list_boxed() {
+  ids_.clear();
   for (std::uint32_t i = 0; i < boxes_.size(); ++i)
     if (!boxes_[i].empty()) ids_.push_back(i);
 }
@@ -93,8 +96,8 @@ TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances,
     work.done = TreeUpdate::rebuild;
   }
   if (work.done == TreeUpdate::rebuild) {
-    if (other_prims || !tree_.exists() || !holds_all())
-      collect_primitives(scene, instances, executor);
+    if (other_prims || !tree_.exists()) collect_primitives(scene, instances, executor);
+    list_boxed();
     tree_.build(boxes_, ids_, builder(), how, executor);
     work.nodes_rebuilt = bvh().node_count();
   }
@@ -104,8 +107,13 @@ TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances,
 /// False if something that had no box when the tree was built, and so is not in it, has one now.
 bool Tlas::holds_all() const {
   if (ids_.size() == boxes_.size()) return true;
-  for (std::uint32_t i = 0; i < boxes_.size(); ++i)
-    if (!boxes_[i].empty() && !std::binary_search(ids_.begin(), ids_.end(), i)) return false;
+  auto held = ids_.begin();
+  for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
+    if (held != ids_.end() && *held == i)
+      ++held;
+    else if (!boxes_[i].empty())
+      return false;
+  }
   return true;
 }
 

@@ -40,6 +40,7 @@ class Tlas {
   void measure_moved(const Scene& scene, const InstanceSet& instances,
                      const InstanceSet::Changes& placed, Executor& executor);
   void collect_primitives(const Scene& scene, const InstanceSet& instances, Executor& executor);
+  void list_boxed();
   void weigh(const InstanceSet& instances);
   double cost_through(const InstanceSet& instances, bool unworn) const;
 
