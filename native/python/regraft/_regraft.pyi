@@ -414,6 +414,9 @@ class UpdateStatistics:
     memory_bytes: int
     left_out: list[str]
     warnings: list[str]
+    def as_dict(self) -> dict[str, Any]:
+        """All of it as a dict of plain Python values, in the order of the statistics line."""
+    def __repr__(self) -> str: ...
     @property
     def predicted_benefits(self) -> npt.NDArray[np.float64]:
         """of each pair tried: expected tests a frame that were to be saved, float64"""
@@ -423,9 +426,6 @@ class UpdateStatistics:
     @property
     def select_ms(self) -> float:
         """choosing pairs and restructuring them, milliseconds"""
-    def as_dict(self) -> dict[str, Any]:
-        """All of it as a dict of plain Python values, in the order of the statistics line."""
-    def __repr__(self) -> str: ...
 
 def available_isas() -> list[str]:
     """Instruction sets that this machine has kernels for, weakest first."""
