@@ -6,7 +6,6 @@ import importlib
 import logging
 import os
 import shutil
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -42,7 +41,11 @@ class Backend(Protocol):
 class RecordingBackend(Backend, Protocol):
     """One that can also write the frames down as a shot (regraft.study.shot)."""
 
-    def record(self, frames: Sequence[int], folder: Path) -> None: ...
+    def begin_recording(self, folder: Path) -> None: ...
+
+    def record_frame(self, frame: int) -> None: ...
+
+    def end_recording(self, is_complete: bool) -> None: ...
 
 
 def choose_backend(verbose: bool) -> RecordingBackend:

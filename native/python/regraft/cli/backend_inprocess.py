@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,10 +37,18 @@ class InProcessBackend:
         with hold_back_output(self._verbose):
             return self._worker.render(frame, path)
 
-    def record(self, frames: Sequence[int], folder: Path) -> None:
-        """See BlenderWorker.record."""
+    def begin_recording(self, folder: Path) -> None:
+        """See BlenderWorker.begin_recording."""
+        self._worker.begin_recording(folder)
+
+    def record_frame(self, frame: int) -> None:
+        """See BlenderWorker.record_frame."""
         with hold_back_output(self._verbose):
-            self._worker.record(frames, folder)
+            self._worker.record_frame(frame)
+
+    def end_recording(self, is_complete: bool) -> None:
+        """See BlenderWorker.end_recording."""
+        self._worker.end_recording(is_complete)
 
     def close(self) -> None:
         """See BlenderWorker.close."""

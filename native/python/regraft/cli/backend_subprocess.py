@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -73,9 +72,17 @@ class SubprocessBackend:
         row: dict[str, Any] = self._ask({"call": "render", "frame": frame, "path": str(path)})
         return row
 
-    def record(self, frames: Sequence[int], folder: Path) -> None:
-        """See BlenderWorker.record."""
-        self._ask({"call": "record", "frames": list(frames), "folder": str(folder)})
+    def begin_recording(self, folder: Path) -> None:
+        """See BlenderWorker.begin_recording."""
+        self._ask({"call": "begin_recording", "folder": str(folder)})
+
+    def record_frame(self, frame: int) -> None:
+        """See BlenderWorker.record_frame."""
+        self._ask({"call": "record_frame", "frame": frame})
+
+    def end_recording(self, is_complete: bool) -> None:
+        """See BlenderWorker.end_recording."""
+        self._ask({"call": "end_recording", "is_complete": is_complete})
 
     def close(self) -> None:
         """Ends the worker: it stops by itself when its requests end."""

@@ -5,16 +5,16 @@ from __future__ import annotations
 import argparse
 import tempfile
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from regraft.cli import options
-from regraft.cli.console import Console, Progress
+from regraft.cli.console import Console
 from regraft.cli.errors import EXIT_OK, InputError
+from regraft.cli.interrupt import Interrupt
 from regraft.cli.job import LAYOUTS, POLICIES
 from regraft.cli.machine import machine, machine_line, save_result
-from regraft.cli.recording import record
+from regraft.cli.recording import Recording, recorded
 from regraft.study import aging, aging_table, local_motion
 from regraft.study.shot import Shot
 
@@ -84,36 +84,43 @@ def run(args: argparse.Namespace, console: Console) -> int:
     for path in args.files:
         if not path.is_file():
             raise InputError(f"cannot read {path}: no such file")
-    contestants = [aging.Contestant(p, layout) for layout in args.layouts for p in args.policies]
-    settings = aging.Settings(size=args.size, threads=args.threads)
     result: dict[str, Any] = {"benchmark": "update", "size": args.size, **machine(), "shots": {}}
     console.say(machine_line(result))
-    for name, shot in _shots(args, console):
-        with console.progress(len(shot), name) as progress:
-            rows = list(aging.measure(shot, contestants, settings, partial(_step, progress, name)))
-        totals = aging_table.totals(rows)
-        result["shots"][name] = {"totals": totals, "rows": rows}
-        console.say(f"{name}, {args.size}² primary and shadow rays, {len(shot)} frames")
-        for line in aging_table.lines(totals):
-            console.say(line)
-        save_result(args.output, result)
+    with Interrupt(console).watching() as interrupt:
+        for name, shot in _shots(args, console, interrupt):
+            result["shots"][name] = _measure(name, shot, args, console, interrupt)
+            save_result(args.output, result)
     console.say(f"JSON: {args.output}")
     return EXIT_OK
 
 
-def _step(progress: Progress, name: str, frame: int) -> None:
-    progress.step(f"{name}, frame {frame}", str(frame))
+def _measure(
+    name: str, shot: Shot, args: argparse.Namespace, console: Console, interrupt: Interrupt
+) -> dict[str, Any]:
+    contestants = [aging.Contestant(p, layout) for layout in args.layouts for p in args.policies]
+    settings = aging.Settings(size=args.size, threads=args.threads)
+    with console.progress(len(shot), name) as progress:
+
+        def tick(frame: int) -> None:
+            progress.step(f"{name}, frame {frame}", str(frame))
+            interrupt.check()
+
+        rows = list(aging.measure(shot, contestants, settings, tick))
+    totals = aging_table.totals(rows)
+    console.say(f"{name}, {args.size}² primary and shadow rays, {len(shot)} frames")
+    for line in aging_table.lines(totals):
+        console.say(line)
+    return {"totals": totals, "rows": rows}
 
 
-def _shots(args: argparse.Namespace, console: Console) -> Iterator[tuple[str, Shot]]:
+def _shots(
+    args: argparse.Namespace, console: Console, interrupt: Interrupt
+) -> Iterator[tuple[str, Shot]]:
     """Each shot with its name; its folder lives until the next is asked for."""
     for source in args.files or FILES:
-        console.note(f"recording {source}")
-        with tempfile.TemporaryDirectory() as folder:
-            yield (
-                source.stem,
-                record(source.resolve(), Path(folder), args.frames, args.verbose, console),
-            )
+        wanted = Recording(source, args.frames, verbose=args.verbose)
+        with recorded(wanted, console, interrupt) as shot:
+            yield source.stem, shot
     if not args.files:
         with tempfile.TemporaryDirectory() as folder:
             yield "local motion", local_motion.make(Path(folder), *LOCAL_MOTION)

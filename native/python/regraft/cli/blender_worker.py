@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from regraft.cli import blender_engine, blender_file, blender_view
 from regraft.cli.blender_simulation import RunUp
 from regraft.cli.errors import InputError, OutputError, describe_write_failure
 from regraft.cli.job import RenderJob, SceneInfo
-from regraft.study.shot import ShotWriter
+from regraft.study.shot import Recorder, ShotWriter
 
 # What Blender calls each format: media type (5.0 on), file format, colour mode, depth in bits.
 _FORMATS = {
@@ -34,6 +34,7 @@ class BlenderWorker:
         self._scene: Any = None
         self._engine: blender_engine.Engine | None = None
         self._run_up: RunUp | None = None
+        self._recording: _Recording | None = None
 
     def open(self, job: RenderJob) -> SceneInfo:
         """Opens and sets up the file. Raises InputError naming what is wrong with it."""
@@ -81,22 +82,42 @@ class BlenderWorker:
         row["total_ms"] = (time.perf_counter() - started) * 1e3
         return row
 
-    def record(self, frames: Sequence[int], folder: Path) -> None:
-        """Renders the frames and writes down, as a shot, all that the library was told for them.
+    def begin_recording(self, folder: Path) -> None:
+        """From here on frames are written down as a shot in `folder`, which exists.
 
-        The engine must be REGRAFT and have rendered nothing yet. Raises InputError, OutputError.
+        The engine must be REGRAFT and have rendered nothing yet. Raises OutputError.
+        """
+        assert self._engine
+        try:
+            writer = ShotWriter(folder)
+        except OSError as error:
+            raise describe_write_failure(folder, error) from error
+        self._recording = _Recording(folder, writer, self._engine.watched(writer))
+
+    def record_frame(self, frame: int) -> None:
+        """Renders the frame and writes down all that the library was told for it.
+
+        Raises InputError, OutputError.
         """
         assert self._engine
         assert self._run_up
+        assert self._recording
+        self._recording.recorder.next_frame = frame
+        self._engine.begin_frame(self._scene)
+        self._run_up.to(frame)
         try:
-            with ShotWriter(folder) as writer, self._engine.watched(writer) as recorder:
-                for frame in frames:
-                    recorder.next_frame = frame
-                    self._engine.begin_frame(self._scene)
-                    self._run_up.to(frame)
-                    self._engine.render(self._scene, frame)
+            self._engine.render(self._scene, frame)
         except OSError as error:
-            raise describe_write_failure(folder, error) from error
+            raise describe_write_failure(self._recording.folder, error) from error
+
+    def end_recording(self, is_complete: bool) -> None:
+        """Finishes the shot; one that is not complete can not be read. Raises OutputError."""
+        assert self._recording
+        recording, self._recording = self._recording, None
+        try:
+            recording.close(is_complete)
+        except OSError as error:
+            raise describe_write_failure(recording.folder, error) from error
 
     def probe(self) -> dict[str, Any]:
         """Versions, and which of the file formats this Blender reads."""
@@ -126,6 +147,20 @@ class BlenderWorker:
         notes += _leave_out_post_processing(self._scene)
         self._engine.set_up(self._scene, layer, job)
         return notes
+
+
+class _Recording:
+    """A shot that is being written: what the library is told goes to the disk as well."""
+
+    def __init__(
+        self, folder: Path, writer: ShotWriter, watched: AbstractContextManager[Recorder]
+    ) -> None:
+        self.folder, self._writer, self._watched = folder, writer, watched
+        self.recorder = watched.__enter__()
+
+    def close(self, is_complete: bool) -> None:
+        self._watched.__exit__(None, None, None)
+        self._writer.close(is_complete=is_complete)
 
 
 def _set_size(scene: Any, job: RenderJob) -> tuple[int, int]:

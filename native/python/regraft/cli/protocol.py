@@ -52,8 +52,12 @@ def _call(worker: Any, request: dict[str, Any]) -> Any:
         return worker.open(RenderJob.from_json(request["job"])).as_json()
     if request["call"] == "probe":
         return worker.probe()
-    if request["call"] == "record":
-        return worker.record(request["frames"], Path(request["folder"]))
+    if request["call"] == "begin_recording":
+        return worker.begin_recording(Path(request["folder"]))
+    if request["call"] == "record_frame":
+        return worker.record_frame(request["frame"])
+    if request["call"] == "end_recording":
+        return worker.end_recording(request["is_complete"])
     return worker.render(request["frame"], Path(request["path"]))
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
-from regraft.cli.backend import choose_backend
+from regraft.cli.backend import RecordingBackend, choose_backend
 from regraft.cli.console import Console
-from regraft.cli.errors import InputError
+from regraft.cli.errors import InputError, OutputError
+from regraft.cli.interrupt import Interrupt
 from regraft.cli.job import RenderJob
 from regraft.study.shot import Shot
 
@@ -15,23 +19,61 @@ from regraft.study.shot import Shot
 SIZE = (64, 64)
 
 
-def record(
-    source: Path, folder: Path, frames: Sequence[int] | None, verbose: bool, console: Console
-) -> Shot:
-    """The frames of the file (all if None) as a shot in `folder`, which exists.
+@dataclass(frozen=True)
+class Recording:
+    """What to record: a file's frames (all if None) as a mode of shading needs them."""
 
-    Raises the errors of a render, and InputError for frames the file does not have.
+    source: Path
+    frames: Sequence[int] | None = None
+    shading: str = "clay"
+    verbose: bool = False
+
+
+@contextmanager
+def recorded(wanted: Recording, console: Console, interrupt: Interrupt) -> Iterator[Shot]:
+    """The shot, in a folder that lives as long as the block.
+
+    Raises the errors of a render, InputError for frames that the file does not have,
+    InterruptedRunError.
     """
-    backend = choose_backend(verbose)
+    console.note(f"recording {wanted.source}")
     try:
-        job = RenderJob(str(source), *SIZE, shading="clay", policy="refit")
+        folder = tempfile.TemporaryDirectory(prefix="regraft-shot-")
+    except OSError as error:
+        raise OutputError(f"no place for the shot: {error}") from error
+    with folder as name:
+        interrupt.temporary = Path(name)
+        try:
+            yield _record(wanted, Path(name), console, interrupt)
+        finally:
+            interrupt.temporary = None
+
+
+def _record(wanted: Recording, folder: Path, console: Console, interrupt: Interrupt) -> Shot:
+    backend = choose_backend(wanted.verbose)
+    try:
+        job = RenderJob(str(wanted.source.resolve()), *SIZE, shading=wanted.shading, policy="refit")
         info = backend.open(job)
         for note in info.notes:
             console.note(note)
-        wanted = info.frames if frames is None else tuple(f for f in info.frames if f in frames)
-        if not wanted:
-            raise InputError(f"{source} has none of the frames asked for")
-        backend.record(wanted, folder)
+        frames = [f for f in info.frames if wanted.frames is None or f in wanted.frames]
+        if not frames:
+            raise InputError(f"{wanted.source} has none of the frames asked for")
+        _record_frames(backend, frames, folder, interrupt)
     finally:
         backend.close()
     return Shot(folder)
+
+
+def _record_frames(
+    backend: RecordingBackend, frames: Sequence[int], folder: Path, interrupt: Interrupt
+) -> None:
+    backend.begin_recording(folder)
+    is_complete = False
+    try:
+        for frame in frames:
+            interrupt.check()
+            backend.record_frame(frame)
+        is_complete = True
+    finally:
+        backend.end_recording(is_complete)
