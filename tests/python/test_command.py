@@ -26,7 +26,17 @@ def source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 @pytest.mark.parametrize(
-    "words", [(), ("render",), ("bench",), ("bench", "sync"), ("bench", "update"), ("doctor",)]
+    "words",
+    [
+        (),
+        ("render",),
+        ("bench",),
+        ("bench", "sync"),
+        ("bench", "update"),
+        ("study",),
+        ("study", "update"),
+        ("doctor",),
+    ],
 )
 def test_help_is_everywhere(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     assert exit_code(*words, "-h") == 0
@@ -55,6 +65,8 @@ def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
         (("render", "a.blend", "--passes", "combined,mist"), "'mist' is not known"),
         (("render", "a.blend", "--movie", "m.avi"), "must end in .mp4"),
         (("render", "a.blend", "--passes", "depth"), "needs --format exr"),
+        (("study", "update"), "FILE"),
+        (("study", "update", "a.blend", "--repeats", "0"), "not between 1"),
         (("bench", "update", "--policies", "refit,hope"), "'hope' is not known"),
     ],
 )

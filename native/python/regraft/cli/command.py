@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 
 import regraft
-from regraft.cli import bench, doctor, render
+from regraft.cli import bench, doctor, render, study
 from regraft.cli.console import Console, start_logging
 from regraft.cli.errors import EXIT_INTERRUPTED, CommandError
 
@@ -24,7 +24,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"regraft {regraft.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    for command in (render, bench, doctor):
+    for command in (render, study, bench, doctor):
         command.add_parser(commands)
     return parser
 

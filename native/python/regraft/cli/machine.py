@@ -43,7 +43,7 @@ def machine() -> dict[str, Any]:
 
 def _commit() -> str:
     """Commit of regraft's checkout that this package lies in, `+` for changes; else ""."""
-    folder = Path(regraft.__file__).parent
+    folder = Path(regraft.__file__).resolve().parent
     top = _git(folder, "rev-parse", "--show-toplevel")
     if not top or not Path(top, "native", "regraft").is_dir():
         return ""

@@ -6,10 +6,11 @@ All contestants take turns frame by frame, so that whatever else the machine doe
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import regraft
+from regraft.study import fingerprint
 from regraft.study.shot import Shot
 
 Row = dict[str, Any]
@@ -42,16 +43,19 @@ class Contestant:
 
     policy: str
     layout: str
+    structure: str = "bvh"
 
 
 @dataclass(frozen=True)
 class Settings:
     """`size` of the square picture in pixels; the ratio to a fresh tree is measured on every
-    `fresh_every`-th frame (0: never), since it takes a build; `threads` 0 for all."""
+    `fresh_every`-th frame (0: never), since it takes a build; `threads` 0 for all; `fingerprint`
+    the hits, to compare contestants."""
 
     size: int = 512
     fresh_every: int = 10
     threads: int = 0
+    fingerprint: bool = False
 
 
 def measure(
@@ -61,35 +65,41 @@ def measure(
     tick: Callable[[int], None] = lambda _frame: None,
 ) -> Iterator[Row]:
     """One row for each frame and contestant. `tick` is called after each frame."""
-    scenes = [regraft.Scene(threads=settings.threads) for _ in contestants]
-    for scene in scenes:
-        scene.set_lights([SUN])
+    scenes = [new_scene(settings) for _ in contestants]
     for position, frame in enumerate(shot.frames):
         for contestant, scene in zip(contestants, scenes, strict=True):
-            shot.apply(position, scene, leave_out=frozenset({"set_lights"}))
-            yield {
-                "frame": frame,
-                "policy": contestant.policy,
-                "layout": contestant.layout,
-                **_measure_frame(shot, position, scene, contestant, settings),
-            }
+            yield measure_frame(shot, position, scene, contestant, settings)
         tick(frame)
 
 
-def _measure_frame(
+def new_scene(settings: Settings) -> regraft.Scene:
+    """An empty one, lit by `SUN`."""
+    scene = regraft.Scene(threads=settings.threads)
+    scene.set_lights([SUN])
+    return scene
+
+
+def measure_frame(
     shot: Shot, position: int, scene: regraft.Scene, contestant: Contestant, settings: Settings
 ) -> Row:
+    """Takes `scene` to the frame at `position` and measures update and trace."""
+    shot.apply(position, scene, leave_out=frozenset({"set_lights"}))
     updated = scene.update(
         policy=contestant.policy,
         layout=contestant.layout,
-        structure="bvh",
+        structure=contestant.structure,
         frames_left=len(shot) - position,
     ).as_dict()
     size, camera = settings.size, shot.camera(position)
-    traced = scene.render(camera, size, size, shading="direct").statistics.as_dict()
-    row = {name: updated[name] for name in UPDATE_FIELDS}
+    passes = fingerprint.PASSES if settings.fingerprint else ("combined",)
+    picture = scene.render(camera, size, size, shading="direct", passes=passes)
+    traced = picture.statistics.as_dict()
+    row: Row = {"frame": shot.frames[position], **asdict(contestant)}
+    row |= {name: updated[name] for name in UPDATE_FIELDS}
     row |= {name: traced[name] for name in TRACE_FIELDS}
     row["cost_ratio"] = None
     if settings.fresh_every and position % settings.fresh_every == settings.fresh_every - 1:
         row["cost_ratio"] = scene.quality(fresh=True)["cost_ratio"]
+    if settings.fingerprint:
+        row["hits"] = fingerprint.of(scene, picture, position)
     return row

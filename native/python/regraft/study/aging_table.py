@@ -78,7 +78,7 @@ def lines(totalled: Sequence[Row]) -> Iterator[str]:
 
 
 def _line(row: Row) -> str:
-    ratios = (_number(row["ratio_mean"], 11), _number(row["ratio_worst"], 8))
+    ratios = (number(row["ratio_mean"], 11), number(row["ratio_worst"], 8))
     return (
         f"    {row['policy']:<14}{row['total_s']:>9.3f}{row['update_s']:>10.3f}"
         f"{row['trace_s']:>9.3f}{row['update_median_ms']:>11.2f}{row['update_worst_ms']:>10.2f}"
@@ -87,7 +87,8 @@ def _line(row: Row) -> str:
     )
 
 
-def _number(value: float | None, width: int) -> str:
+def number(value: float | None, width: int) -> str:
+    """`value` to three decimals, right-aligned; a dash for None."""
     return f"{'–':>{width}}" if value is None else f"{value:>{width}.3f}"
 
 

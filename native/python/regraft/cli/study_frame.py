@@ -1,0 +1,104 @@
+"""What all studies share on the command line: options, outputs, how they end."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from regraft.cli import options
+from regraft.cli.console import Console
+from regraft.cli.errors import (
+    EXIT_OK,
+    InputError,
+    OutputError,
+    SelfCheckError,
+    describe_write_failure,
+)
+from regraft.cli.machine import machine
+from regraft.formats import atomic
+from regraft.study import plots
+from regraft.study.report import Report
+
+FACTS = {
+    "processor": "processor",
+    "cores": "cores",
+    "simd": "instruction set",
+    "load_average": "load average",
+    "regraft": "regraft",
+    "commit": "commit",
+}
+
+
+def add_options(parser: argparse.ArgumentParser, kind: str) -> None:
+    """FILE…, --frames, --threads, --output, --verbose."""
+    parser.add_argument(
+        "files", metavar="FILE", type=Path, nargs="+", help="anything Blender reads"
+    )
+    parser.add_argument("--frames", type=options.frames, metavar="1-100", help="(default: all)")
+    parser.add_argument(
+        "--threads",
+        type=options.whole_number(0, 1024),
+        default=0,
+        metavar="N",
+        help="(default: all cores)",
+    )
+    add_output(parser, kind)
+    parser.add_argument("--verbose", action="store_true", help="let Blender's own output through")
+
+
+def add_output(parser: argparse.ArgumentParser, kind: str) -> None:
+    """--output."""
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="DIR",
+        default=Path(f"study_{kind}"),
+        help="folder for the results (default: %(default)s)",
+    )
+
+
+def prepare(folder: Path, files: Sequence[Path]) -> None:
+    """Finds out before any work what would stop it at the end. Raises InputError, OutputError."""
+    for path in files:
+        if not path.is_file():
+            raise InputError(f"cannot read {path}: no such file")
+    try:
+        plots.require()
+        atomic.prepare_folder(folder)
+    except ImportError as error:
+        raise OutputError(str(error)) from error
+    except OSError as error:
+        raise describe_write_failure(folder, error) from error
+
+
+def names(files: Sequence[Path]) -> list[str]:
+    """What reports call the files: their stems, numbered where two would be alike."""
+    found: list[str] = []
+    for path in files:
+        same = sum(name == path.stem or name.startswith(f"{path.stem} (") for name in found)
+        found.append(f"{path.stem} ({same + 1})" if same else path.stem)
+    return found
+
+
+def start(title: str, **facts: Any) -> Report:
+    """An empty report that knows the machine."""
+    about = machine()
+    known = {text: about[key] for key, text in FACTS.items() if about[key] not in (None, "")}
+    return Report(title, {**facts, **known})
+
+
+def finish(report: Report, folder: Path, console: Console) -> int:
+    """Writes everything and says the verdicts. Raises OutputError; SelfCheckError if something is
+    not as it must be."""
+    try:
+        page = report.write(folder)
+    except OSError as error:
+        raise describe_write_failure(folder, error) from error
+    for section in report.sections:
+        console.say(f"{section.title}: {section.verdict}")
+    console.say(f"page: {page}")
+    if wrong := [section.title for section in report.sections if section.wrong]:
+        raise SelfCheckError(f"an identity failed: {', '.join(wrong)}")
+    return EXIT_OK
