@@ -275,9 +275,12 @@ class PacketTracer {
       const Float<R> origin = Float<R>::load(local_.origin[axes[k]] + base);
       for (int i = 0; i < 3; ++i) relative[i][k] = Float<R>(c.vertex[i][axes[k]]) - origin;
     }
+    const Float<R> start = Float<R>::load(rays_.t_near + base);
+    const Float<R> entry = Float<R>::load(local_.entry + base);
     const EdgeTest<R> test(
         relative[0], relative[1], relative[2], Float<R>::load(local_.shear[0] + base),
-        Float<R>::load(local_.shear[1] + base), Float<R>::load(local_.inverse[local_.kz] + base));
+        Float<R>::load(local_.shear[1] + base), Float<R>::load(local_.inverse[local_.kz] + base),
+        [&](const Float<R>& latest) { return (latest < start) & (entry < start); });
     LaneBits lanes = test.hit & wanted;
     if (lanes == 0) return;
     Float<R> near(-infinity), far(infinity);
@@ -287,10 +290,9 @@ class PacketTracer {
                  Float<R>::load(local_.near_origin[k] + base),
                  Float<R>::load(local_.far_origin[k] + base),
                  Float<R>::load(local_.inverse[k] + base), near, far);
-    const Float<R> start = Float<R>::load(rays_.t_near + base);
     const Float<R> local_t = min(far, max(near, test.t));
     const Float<R> t =
-        min(Float<R>::load(local_.exit + base), max(Float<R>::load(local_.entry + base), local_t));
+        min(Float<R>::load(local_.exit + base), max(entry, local_t));
     lanes &= (near <= far) & (start <= far) & (start <= t) & (t <= Float<R>::load(best_.t + base));
     if (lanes == 0 || lacks_area(instance.mesh, c.prim)) return;
     if (AnyHit) {

@@ -39,8 +39,11 @@ struct EdgeTest {
   Float<N> u, v, w, det, t;
   LaneBits hit;
 
+  /// `too_early(t)`: lanes in which a hit at or before t is none, whatever else is known. Spares
+  /// rays that start on a surface the way to a precise hit on that surface.
+  template <typename TooEarly>
   REGRAFT_INLINE EdgeTest(const Float<N> (&a)[3], const Float<N> (&b)[3], const Float<N> (&c)[3],
-                          Float<N> sx, Float<N> sy, Float<N> sz) {
+                          Float<N> sx, Float<N> sy, Float<N> sz, const TooEarly& too_early) {
     const Float<N> x[3] = {a[0] - sx * a[2], b[0] - sx * b[2], c[0] - sx * c[2]};
     const Float<N> y[3] = {a[1] - sy * a[2], b[1] - sy * b[2], c[1] - sy * c[2]};
     const Float<N> z[3] = {a[2], b[2], c[2]};
@@ -57,7 +60,9 @@ struct EdgeTest {
     hit = ~(negative & positive) & ((det < zero) | (zero < det));
     if (hit == 0) return;
     t = (((u * z[0] + v * z[1]) + w * z[2]) / det) * sz;
-    const LaneBits rough = hit & (doubtful | ill_conditioned(x, y, z));
+    const Conditioning conditioning(x, y, z, max(det, zero - det));
+    hit &= ~too_early(t + conditioning.error * max(sz, zero - sz)) | doubtful;
+    const LaneBits rough = hit & (doubtful | conditioning.ill);
     if (rough != 0) redo_point(x, y, z, sz, rough);
   }
 
@@ -100,23 +105,24 @@ struct EdgeTest {
     return ab > c ? ab : c;
   }
 
-  /// Lanes in which cancellation in the edge functions could move the point by more than 2^-20 of
-  /// its distance, or products leave the range of floats. Only lanes of hits count: there the
-  /// corners surround the ray, and extents bound their coordinates.
-  static REGRAFT_INLINE LaneBits ill_conditioned(const Float<N> (&x)[3], const Float<N> (&y)[3],
-                                                 const Float<N> (&z)[3], Float<N> det) {
-    const auto lowest = [](const Float<N>(&p)[3]) { return min(min(p[0], p[1]), p[2]); };
-    const auto highest = [](const Float<N>(&p)[3]) { return max(max(p[0], p[1]), p[2]); };
-    const Float<N> z_lo = lowest(z), z_hi = highest(z), zero(0.0f);
-    const Float<N> distance = max(z_hi, zero - z_lo);
-    const Float<N> noise = ((highest(x) - lowest(x)) * (highest(y) - lowest(y))) * (z_hi - z_lo);
-    const Float<N> least(0x1p-100f);
-    return ~(noise + least < max(det, zero - det) * distance);
-  }
-  REGRAFT_INLINE LaneBits ill_conditioned(const Float<N> (&x)[3], const Float<N> (&y)[3],
-                                          const Float<N> (&z)[3]) const {
-    return ill_conditioned(x, y, z, det);
-  }
+  /// What cancellation in the edge functions does to hits: there the corners surround the ray,
+  /// and extents bound their coordinates.
+  struct Conditioning {
+    LaneBits ill;    ///< moved by more than 2^-20 of the distance, or out of the range of floats
+    Float<N> error;  ///< more than the error of `t` can be, before it is scaled
+
+    REGRAFT_INLINE Conditioning(const Float<N> (&x)[3], const Float<N> (&y)[3],
+                                const Float<N> (&z)[3], Float<N> size) {
+      const auto lowest = [](const Float<N>(&p)[3]) { return min(min(p[0], p[1]), p[2]); };
+      const auto highest = [](const Float<N>(&p)[3]) { return max(max(p[0], p[1]), p[2]); };
+      const Float<N> z_lo = lowest(z), z_hi = highest(z);
+      const Float<N> distance = max(z_hi, Float<N>(0.0f) - z_lo);
+      const Float<N> noise = ((highest(x) - lowest(x)) * (highest(y) - lowest(y))) * (z_hi - z_lo);
+      const Float<N> least(0x1p-100f);
+      ill = ~(noise + least < size * distance);
+      error = Float<N>(0x1p-18f) * ((noise + least * (distance + Float<N>(1.0f))) / size + distance);
+    }
+  };
 
   /// u, v, w as weights (their sum, `det`, is 1 then) and t, in double.
   REGRAFT_INLINE void redo_point(const Float<N> (&x)[3], const Float<N> (&y)[3],
@@ -184,8 +190,13 @@ REGRAFT_INLINE void test_triangles(const LocalRay& ray, const MeshView& mesh,
     relative[c][1] = corner[c][KY] - Float4(ray.origin[KY]);
     relative[c][2] = corner[c][KZ] - Float4(ray.origin[KZ]);
   }
-  const EdgeTest<4> test(relative[0], relative[1], relative[2], Float4(ray.shear[0]),
-                         Float4(ray.shear[1]), Float4(ray.shear[2]));
+  // A hit before the instance's box begins is reported where it begins.
+  const bool starts_inside = ray.entry < ray.t_near;
+  const EdgeTest<4> test(
+      relative[0], relative[1], relative[2], Float4(ray.shear[0]), Float4(ray.shear[1]),
+      Float4(ray.shear[2]), [&](const Float4& latest) {
+        return starts_inside ? latest < Float4(local_start(ray)) : LaneBits(0);
+      });
   LaneBits lanes = test.hit & ((1u << count) - 1u);
   if (lanes == 0) return;
 
