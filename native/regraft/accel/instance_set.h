@@ -94,4 +94,8 @@ Placement classify(const Mat4d& object_to_world, const Aabb& box);
 /// as `magnitude`, the mesh's largest.
 Aabb transform_bounds(const Mat4d& m, const Aabb& box, float magnitude);
 
+/// How far from a triangle of a placed mesh a ray's rounding may find it, axis by axis; `world`:
+/// the mesh's world box. The same slack as in `transform_bounds`.
+Vec3d placement_margin(const Mat4d& m, const Aabb& world, float magnitude);
+
 }  // namespace regraft::accel

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "regraft/accel/instance_set.h"
+#include "regraft/core/rounding.h"
 
 namespace regraft::accel {
 
@@ -32,20 +33,6 @@ double max_norm(const Mat3d& m) {
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r) norm = std::fmax(norm, std::fabs(m[c][r]));
   return norm;
-}
-
-float next(float x, float towards) {
-  return std::nextafter(x, towards);
-}
-
-float round_down(double x) {
-  const float f = float(x);
-  return double(f) > x ? next(f, -std::numeric_limits<float>::infinity()) : f;
-}
-
-float round_up(double x) {
-  const float f = float(x);
-  return double(f) < x ? next(f, std::numeric_limits<float>::infinity()) : f;
 }
 
 }  // namespace
@@ -80,6 +67,16 @@ Placement classify(const Mat4d& object_to_world, const Aabb& box) {
     if (!(reach < largest_reach)) return Placement::too_large;
   }
   return placement;
+}
+
+Vec3d placement_margin(const Mat4d& m, const Aabb& world, float magnitude) {
+  Vec3d margin;
+  const double pad = world.magnitude() * 0x1p-22;
+  for (int r = 0; r < 3; ++r)
+    margin[r] = object_slack * double(magnitude) *
+                    (std::fabs(m[0][r]) + std::fabs(m[1][r]) + std::fabs(m[2][r])) +
+                pad;
+  return margin;
 }
 
 Aabb transform_bounds(const Mat4d& m, const Aabb& box, float magnitude) {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "regraft/core/aabb.h"
+
+namespace regraft::kdtree {
+
+/// Box of the part of a triangle that lies within `margin` of a voxel, axis by axis, widened by the
+/// margin and cut to the voxel; empty if there is none.
+///
+/// Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 17, 1974, in double precision; the result
+/// is rounded outward, so what touches the voxel is never lost.
+Aabb clip_triangle(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& voxel);
+
+}  // namespace regraft::kdtree

@@ -1,0 +1,139 @@
+#include "regraft/kdtree/kdtree.h"
+
+#include <memory>
+#include <thread>
+#include <vector>
+
+namespace regraft::kdtree {
+
+namespace {
+
+std::int64_t size_of(const Pending& pending) {
+  return std::int64_t(sizeof(Pending) + pending.list.capacity() * sizeof(HierarchyEntry));
+}
+
+/// Calls `visit` for every node below and including `node` that exists.
+template <typename F>
+void walk(Node& node, const F& visit) {
+  std::vector<Node*> stack{&node};
+  while (!stack.empty()) {
+    Node& next = *stack.back();
+    stack.pop_back();
+    const std::uint32_t state = next.state.load(std::memory_order_acquire);
+    if (Node::is_inner(state)) {
+      stack.push_back(next.children + 1);
+      stack.push_back(next.children);
+    }
+    visit(next, state);
+  }
+}
+
+}  // namespace
+
+KdTree::KdTree(const HierarchyView& view, const Config& config, Executor& executor)
+    : view_(view), builder_(view, config) {
+  root_ = allocate_pair();
+  root_->pending = keep(builder_.root());
+  if (!config.lazy) complete(executor);
+}
+
+KdTree::~KdTree() {
+  walk(*root_, [](Node& node, std::uint32_t state) {
+    if (state == Node::unbuilt) delete node.pending;
+  });
+}
+
+Node* KdTree::allocate_pair() const {
+  Node* pair = static_cast<Node*>(pool_.allocate(2 * sizeof(Node)));
+  std::uninitialized_default_construct_n(pair, 2);
+  return pair;
+}
+
+void KdTree::expand(Node& node) const {
+  std::uint32_t state = Node::unbuilt;
+  if (!node.state.compare_exchange_strong(state, Node::building, std::memory_order_acquire)) {
+    while (node.state.load(std::memory_order_acquire) == Node::building) std::this_thread::yield();
+    return;
+  }
+  const Pending* pending = node.pending;
+  try {
+    publish(node, builder_.build(*pending));
+  } catch (...) {
+    node.state.store(Node::unbuilt, std::memory_order_release);
+    throw;
+  }
+  forget(pending);
+}
+
+Pending* KdTree::keep(Pending&& pending) const {
+  auto* kept = new Pending(std::move(pending));
+  pending_bytes_.fetch_add(size_of(*kept), std::memory_order_relaxed);
+  pending_weight_.fetch_add(std::int64_t(kept->weight()), std::memory_order_relaxed);
+  return kept;
+}
+
+void KdTree::forget(const Pending* pending) const {
+  pending_bytes_.fetch_sub(size_of(*pending), std::memory_order_relaxed);
+  pending_weight_.fetch_sub(std::int64_t(pending->weight()), std::memory_order_relaxed);
+  delete pending;
+}
+
+void KdTree::publish(Node& node, Built&& built) const {
+  if (built.axis < 0) return publish_leaf(node, built.prims);
+  Node* children = allocate_pair();
+  for (int s = 0; s < 2; ++s) {
+    if (built.children[s].list.empty())
+      publish_leaf(children[s], {});
+    else
+      children[s].pending = keep(std::move(built.children[s]));
+  }
+  node.split = built.position;
+  node.children = children;
+  node.state.store(std::uint32_t(built.axis), std::memory_order_release);
+}
+
+void KdTree::publish_leaf(Node& node, std::span<const PrimRef> prims) const {
+  auto* refs = static_cast<PrimRef*>(pool_.allocate(prims.size_bytes()));
+  std::uninitialized_copy(prims.begin(), prims.end(), refs);
+  node.prims = refs;
+  node.state.store(Node::leaf | std::uint32_t(prims.size()) << Node::kind_bits,
+                   std::memory_order_release);
+}
+
+void KdTree::complete(Executor& executor) const {
+  // Breadth first until there is work for every thread; then each subtree by one.
+  std::vector<Node*> todo{root_}, next;
+  const std::size_t enough = executor.threads() == 1 ? 1 : 32 * std::size_t(executor.threads());
+  while (!todo.empty() && todo.size() < enough) {
+    next.clear();
+    for (Node* node : todo) {
+      expand(*node);
+      if (!Node::is_inner(node->state.load(std::memory_order_acquire))) continue;
+      next.push_back(node->children);
+      next.push_back(node->children + 1);
+    }
+    todo.swap(next);
+  }
+  executor.parallel_for(todo.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) build_below(*todo[i]);
+  });
+}
+
+void KdTree::build_below(Node& node) const {
+  std::vector<Node*> stack{&node};
+  while (!stack.empty()) {
+    Node& next = *stack.back();
+    stack.pop_back();
+    expand(next);
+    if (!Node::is_inner(next.state.load(std::memory_order_acquire))) continue;
+    stack.push_back(next.children + 1);
+    stack.push_back(next.children);
+  }
+}
+
+std::size_t KdTree::bytes() const {
+  return sizeof(KdTree) + pool_.bytes() +
+         std::size_t(pending_bytes_.load(std::memory_order_relaxed));
+}
+
+}  // namespace regraft::kdtree

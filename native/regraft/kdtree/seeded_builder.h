@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "regraft/core/hierarchy_view.h"
+#include "regraft/kdtree/node.h"
+#include "regraft/kdtree/sah_scan.h"
+
+namespace regraft::kdtree {
+
+/// Which entry of a node's list is opened next.
+enum class Refine : std::uint8_t {
+  fifo,  ///< the paper's rule
+  area   ///< its footnote: the largest weight times area
+};
+
+/// Lazy × scan × hierarchy: the eight configurations of Hunt, Mark, Fussell 2007, Table 1.
+struct Config {
+  bool lazy = true;       ///< nodes are built when a ray enters them; otherwise all at once
+  bool scan = true;       ///< splits by the error-bounded scan; otherwise by the exact sweep
+  bool hierarchy = true;  ///< lists are seeded by the hierarchy; otherwise by all its primitives
+
+  /// Entries up to which a node's list is refined: the paper's a. 10 is fast, 500 builds trees as
+  /// good as those of the exact builder.
+  std::uint32_t refine_to = 50;
+  Refine refine = Refine::fifo;
+  /// Entries across the best plane that are opened before it is chosen: the paper's d.
+  std::uint32_t open_straddlers = 16;
+  /// Kernels test four triangles of a leaf at once: one costs less than going down a node.
+  SplitCost cost{1.0, 0.4, 0.3};
+  ScanConfig precision;
+  /// References in all leaves for each primitive of the scene; beyond that nodes are not split.
+  double references_per_primitive = 16.0;
+};
+
+/// "lazy+scan+hierarchy", "eager", "scan" and so on: which of the three are on.
+std::string_view name(const Config& config);
+
+/// What an unbuilt node is to be built from.
+struct Pending {
+  Aabb voxel;
+  /// Boxes are cut to the voxel. No entry contains another, together they hold all of the scene
+  /// that meets the voxel.
+  std::vector<HierarchyEntry> list;
+  /// References that the leaves below may use up.
+  double budget = 0.0;
+  std::uint32_t depth = 0;
+
+  double weight() const;
+};
+
+/// What became of a node: children, or a leaf's primitives.
+struct Built {
+  int axis = -1;
+  float position = 0.0f;
+  Pending children[2];
+  std::vector<PrimRef> prims;
+};
+
+/// Builds one node of a k-d tree from the entries of a scene's hierarchy that meet it (Hunt, Mark,
+/// Fussell, Fast and Lazy Build of Acceleration Structures from Scene Hierarchies, RT 2007).
+///
+/// Deviations: candidates are both ends of every entry, not only the lower ones, since upper ends
+/// cut off empty space; a leaf is made only when no entry is left to open or the digging budget 5(a
+/// + F) is spent, since coarse entries make every split look bad; all three axes are always looked
+/// at, because the paper's own scene became slower without.
+class SeededBuilder {
+ public:
+  SeededBuilder(const HierarchyView& view, const Config& config);
+
+  /// The node everything else comes from. Its voxel is `bounds()`.
+  Pending root() const;
+  /// A node for a part of the scene's space, seeded from the top.
+  Pending seed(const Aabb& voxel, std::uint32_t depth, double budget) const;
+  const Config& config() const { return config_; }
+  const Aabb& bounds() const { return bounds_; }
+  double weight() const { return weight_; }
+  std::uint32_t max_depth() const { return max_depth_; }
+
+  /// What the node becomes: a function of the node and the scene alone. O(a log a) but for leaves.
+  Built build(const Pending& node) const;
+
+ private:
+  const HierarchyView& view_;
+  Config config_;
+  Aabb bounds_;
+  double weight_ = 0.0;
+  std::uint32_t max_depth_ = 0;
+};
+
+}  // namespace regraft::kdtree
