@@ -331,6 +331,7 @@ struct Packets {
   }
   static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,
                           TraceCounters& counters, std::uint32_t* cost) {
+    if (view.kdtree != nullptr) return CellRays::closest_hit(view, rays, hits, counters, cost);
     RayPacket copy;
     PacketTracer<W, R, false> tracer(view, filled(rays, copy), counters, going, cost);
     tracer.run();
@@ -338,6 +339,7 @@ struct Packets {
   }
   static std::uint64_t any_hit(const TraceView& view, const RayPacket& rays,
                                TraceCounters& counters) {
+    if (view.kdtree != nullptr) return CellRays::any_hit(view, rays, counters);
     RayPacket copy;
     PacketTracer<W, R, true> tracer(view, filled(rays, copy), counters, going);
     tracer.run();

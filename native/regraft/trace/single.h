@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "regraft/trace/traverse_bvh.h"
+#include "regraft/trace/traverse_kdtree.h"
 
 namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
 
@@ -33,13 +34,58 @@ REGRAFT_INLINE void count(TraceCounters& counters, const Work& work) {
   counters.triangle_tests += work.tests;
 }
 
+/// Rays through the k-d tree, one after the other.
+struct CellRays {
+  template <bool AnyHit>
+  static Nearest trace(const TraceView& view, const WorldRay& ray, Work& work) {
+    Nearest nearest{ray.t_far, 0xFFFFFFFFu, 0xFFFFFFFFu, 0.0f, 0.0f};
+    if (valid(ray)) CellWalk<AnyHit>(view, ray, nearest, work).run();
+    return nearest;
+  }
+
+  /// `cost` may be null.
+  static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,
+                          TraceCounters& counters, std::uint32_t* cost) {
+    for (std::uint64_t todo = rays.active; todo != 0; todo &= todo - 1) {
+      const auto i = std::uint32_t(std::countr_zero(todo));
+      Work work;
+      store_hit(hits, i, trace<false>(view, load_ray(rays, i), work));
+      if (cost != nullptr) cost[i] = work.nodes + work.tests;
+      count(counters, work);
+    }
+  }
+
+  static std::uint64_t any_hit(const TraceView& view, const RayPacket& rays,
+                               TraceCounters& counters) {
+    std::uint64_t occluded = 0;
+    for (std::uint64_t todo = rays.active; todo != 0; todo &= todo - 1) {
+      const auto i = std::uint32_t(std::countr_zero(todo));
+      Work work;
+      const Nearest nearest = trace<true>(view, load_ray(rays, i), work);
+      occluded |= std::uint64_t(nearest.prim_id != 0xFFFFFFFFu) << i;
+      count(counters, work);
+    }
+    return occluded;
+  }
+};
+
 /// Every ray against every triangle, without any tree.
 struct BruteForce {
   static void test_all(const LocalRay& ray, const InstanceView& instance, Nearest& nearest,
                        Work& work) {
+    const MeshView& mesh = instance.mesh;
     float limit = local_limit(ray, nearest.t);
-    test_prims<false>(ray, instance, instance.mesh.prim_ids, int(instance.mesh.prim_count), limit,
-                      nearest, work);
+    if (mesh.prim_ids != nullptr) {
+      test_prims<false>(ray, instance, mesh.prim_ids, int(mesh.prim_count), limit, nearest, work);
+      return;
+    }
+    std::uint32_t prims[64];
+    for (std::uint32_t first = 0; first < mesh.prim_count; first += 64) {
+      const std::uint32_t left = mesh.prim_count - first;
+      const std::uint32_t count = left < 64 ? left : 64;
+      for (std::uint32_t i = 0; i < count; ++i) prims[i] = first + i;
+      test_prims<false>(ray, instance, prims, int(count), limit, nearest, work);
+    }
   }
 
   static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,

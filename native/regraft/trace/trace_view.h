@@ -2,19 +2,23 @@
 
 #include <cstdint>
 
+namespace regraft::kdtree {
+class KdTree;
+}
+
 namespace regraft::trace {
 
 /// What kernels read of a mesh: raw arrays owned by `Scene` and `Accelerator`.
 struct MeshView {
   const float* vertices = nullptr;           ///< packed x, y, z; object space
   const std::uint32_t* triangles = nullptr;  ///< packed corner indices
-  const void* nodes = nullptr;               ///< bvh::WideNode<width>[]; null: nothing to hit
-  const std::uint32_t* prim_ids = nullptr;
+  const void* nodes = nullptr;               ///< bvh::WideNode<width>[]; null: it has no tree
+  const std::uint32_t* prim_ids = nullptr;   ///< null: all triangles, in order
   std::uint32_t prim_count = 0;
   float magnitude = 0.0f;  ///< largest |coordinate| of the root's box
   double center[3]{};      ///< of the root's box
   double radius = 0.0;     ///< half its diagonal
-  bool refitted = false;   ///< triangles may have lost their area since the tree was built
+  bool refitted = false;   ///< there may be triangles without area
 };
 
 /// False if all corners of a triangle lie on one line, exactly.
@@ -46,6 +50,8 @@ struct TraceView {
   const void* top_nodes = nullptr;           ///< null: empty scene
   const std::uint32_t* top_prims = nullptr;  ///< instance indices, or indices into `flat`
   const FlatPrim* flat = nullptr;            ///< null: two-level
+  /// Not null: rays go through this tree, and the top tree is not looked at.
+  const kdtree::KdTree* kdtree = nullptr;
   const InstanceView* instances = nullptr;
   std::uint32_t instance_count = 0;
   /// Subtracted from world positions before they are rounded to the top tree's floats (N5).
