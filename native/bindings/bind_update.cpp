@@ -51,14 +51,13 @@ accel::UpdateOptions update_options(const std::string& policy, const std::string
        {"rtdeform", Policy::rtdeform},
        {"selective", Policy::selective},
        {"selective+rotate", Policy::selective_rotate}}};
-  static constexpr std::array<std::pair<const char*, Structure>, 2> structures{
-      {{"auto", Structure::automatic}, {"bvh", Structure::bvh}}};
+  static constexpr std::array<std::pair<const char*, Structure>, 3> structures{
+      {{"auto", Structure::automatic}, {"bvh", Structure::bvh}, {"kdtree", Structure::kdtree}}};
   static constexpr std::array<std::pair<const char*, Layout>, 2> layouts{
       {{"two-level", Layout::two_level}, {"flat", Layout::flat}}};
-  static constexpr std::array later_structures{"kdtree"};
   accel::UpdateOptions options;
   options.policy = choice(policy, "policy", policies, later_policies);
-  options.structure = choice(structure, "structure", structures, later_structures);
+  options.structure = choice(structure, "structure", structures);
   options.layout = choice(layout, "layout", layouts);
   if (frames_left) {
     options.frames_left =
@@ -113,7 +112,7 @@ void bind_update(SceneClass& scene) {
            R"(Brings the trees up to date with the scene; free where nothing changed.
 
 policy: auto, refit, rebuild, lm, rtdeform, selective or selective+rotate;
-structure: auto or bvh; layout: two-level or flat.
+structure: auto, bvh or kdtree; layout: two-level or flat.
 frames_left: how many frames the shot still has, if that is known. Releases the GIL.
 
 Raises ValueError for an unknown name, NotImplementedError for one that a later version

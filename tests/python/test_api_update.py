@@ -149,7 +149,7 @@ def test_tracing_a_changed_scene_raises_until_it_is_updated(
     ("arguments", "message"),
     [
         ({"policy": "best"}, 'policy: "best" is none of auto, refit, rebuild'),
-        ({"structure": "octree"}, 'structure: "octree" is none of auto, bvh'),
+        ({"structure": "octree"}, 'structure: "octree" is none of auto, bvh, kdtree'),
         ({"layout": "round"}, 'layout: "round" is none of two-level, flat'),
         ({"frames_left": 0}, "frames_left: 0 is outside"),
         ({"frames_left": "many"}, "frames_left: a whole number wanted, got str"),
@@ -165,6 +165,25 @@ def test_wrong_update_arguments_are_named(
 def test_layouts_are_switched_without_another_change(scene: regraft.Scene) -> None:
     assert scene.update(layout="flat").layout == "flat"
     assert scene.update(layout="two-level", frames_left=10).layout == "two-level"
+
+
+def test_a_kdtree_is_built_where_rays_go_and_hits_the_same(scene: regraft.Scene) -> None:
+    origins, directions = rays(np.random.default_rng(5), 200)
+    wanted = scene.closest_hit(origins, directions)
+    statistics = scene.update(structure="kdtree")
+    assert statistics.structure == "kdtree"
+    assert (statistics.kdtree_nodes, statistics.kdtree_built_fraction) == (0, 0.0)
+    for _ in range(2):
+        found = scene.closest_hit(origins, directions)
+        for name in ("t", "instance_id", "prim_id", "u", "v", "normal"):
+            np.testing.assert_array_equal(getattr(found, name), getattr(wanted, name))
+    brute = scene.closest_hit_brute_force(origins, directions)
+    np.testing.assert_array_equal(brute.t, wanted.t)
+    scene.set_vertices(1, jittered(3))
+    scene.update(structure="kdtree")
+    moved_hits = scene.closest_hit(origins, directions)
+    scene.update(structure="bvh")
+    np.testing.assert_array_equal(moved_hits.t, scene.closest_hit(origins, directions).t)
 
 
 def test_statistics_become_plain_json_in_their_order(scene: regraft.Scene) -> None:

@@ -27,6 +27,7 @@ POLICIES = (
 STRUCTURES = (
     ("auto", "Auto", "Let Regraft choose"),
     ("bvh", "BVH", "A bounding volume hierarchy"),
+    ("kdtree", "K-d Tree", "Space cut by planes only where rays go: huge scenes, little seen"),
 )
 LAYOUTS = (
     ("two-level", "Two Levels", "A tree for each mesh and one over all instances"),

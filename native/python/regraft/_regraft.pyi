@@ -280,7 +280,7 @@ class Scene:
         """Brings the trees up to date with the scene; free where nothing changed.
 
         policy: auto, refit, rebuild, lm, rtdeform, selective or selective+rotate;
-        structure: auto or bvh; layout: two-level or flat.
+        structure: auto, bvh or kdtree; layout: two-level or flat.
         frames_left: how many frames the shot still has, if that is known. Releases the GIL.
 
         Raises ValueError for an unknown name, NotImplementedError for one that a later version

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "regraft/accel/accelerator_state.h"
+#include "regraft/kdtree/statistics.h"
 
 namespace regraft::accel {
 
@@ -72,7 +73,7 @@ void Accelerator::State::note(const ChangeSet& changes, std::size_t mesh_count) 
   for (const std::uint32_t id : changes.deformed_meshes) mark(id, Pending::deformed);
 }
 
-/// Every tree's wide layout is of another width than asked for.
+/// Every tree is of another kind than asked for.
 void Accelerator::State::renew_trees() {
   for (std::size_t id = 0; id < blases.size(); ++id)
     if (blases[id].exists()) pending[id] = Pending::topology;
@@ -137,6 +138,16 @@ TreeWork Accelerator::State::update_meshes(const Scene& scene, std::span<const s
   return sum;
 }
 
+/// For the k-d tree, which reads meshes by itself.
+TreeWork Accelerator::State::bound_meshes(const Scene& scene, std::span<const std::uint32_t> todo,
+                                          Executor& executor) {
+  for (const std::uint32_t id : todo) {
+    blases[id].bound(scene.meshes()[id], executor);
+    pending[id] = Pending::none;
+  }
+  return {};
+}
+
 void Accelerator::State::warn_of_dropped(const Scene& scene) {
   mesh_warnings.clear();
   std::uint64_t zero_area = 0;
@@ -197,10 +208,14 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
                                      const UpdateOptions& options, int width, Executor& executor) {
   const auto start = std::chrono::steady_clock::now();
   State& state = *state_;
-  if (changes.empty() && options.layout == state.last_options.layout && width == state.last_width)
+  if (changes.empty() && options.layout == state.last_options.layout &&
+      options.structure == state.last_options.structure && width == state.last_width)
     return state.unchanged(options);
   state.note(changes, scene.meshes().size());
-  if (width != state.last_width || options.layout != state.last_options.layout) state.renew_trees();
+  const bool kdtree = options.structure == Structure::kdtree;
+  if (width != state.last_width || options.layout != state.last_options.layout ||
+      kdtree != (state.last_options.structure == Structure::kdtree))
+    state.renew_trees();
   const Tending how = state.tending(options, width);
   const std::vector<std::uint8_t> seen = state.seen_meshes(scene);
   std::vector<std::uint32_t> todo;
@@ -219,21 +234,30 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
     ++s.deformed_meshes;
     s.deformed_triangles += scene.meshes()[id].triangles.size();
   }
-  TreeWork work = state.update_meshes(scene, todo, options.layout, how, executor);
+  TreeWork work = kdtree ? state.bound_meshes(scene, todo, executor)
+                         : state.update_meshes(scene, todo, options.layout, how, executor);
+  // Rays do not see the tree over instances beside a k-d tree: it says how large the scene is.
+  const Layout layout = kdtree ? Layout::two_level : options.layout;
   InstanceSet::Changes placed =
-      state.instances.update(scene, state.blases, changes, changed, options.layout, how, executor);
+      state.instances.update(scene, state.blases, changes, changed,
+                             kdtree ? Layout::flat : options.layout, how, executor);
   work.add(placed.baked);
-  if (options.layout == Layout::flat && work.done == TreeUpdate::rebuild) placed.set_changed = true;
-  work.add(state.tlas.update(scene, state.instances, placed, options.layout, how, executor));
+  if (layout == Layout::flat && work.done == TreeUpdate::rebuild) placed.set_changed = true;
+  work.add(state.tlas.update(scene, state.instances, placed, layout, how, executor));
   state.instances.note_bounds(state.tlas.bounds());
 
   state.tlas.show(state.view);
   state.view.instances = state.instances.views().data();
   state.view.instance_count = std::uint32_t(state.instances.views().size());
   for (int k = 0; k < 3; ++k) state.view.scene_origin[k] = state.instances.origin()[k];
+  if (kdtree)
+    state.kdtree.update(scene, state.instances, changed, executor);
+  else
+    state.kdtree.clear();
+  state.view.kdtree = state.kdtree.tree();
 
   s.policy = name(options.policy);
-  s.structure = "bvh";
+  s.structure = name(options.structure);
   s.layout = name(options.layout);
   s.moved_instances = changes.moved_instances.size();
   tell(work, s);
@@ -242,6 +266,8 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   s.warnings.insert(s.warnings.end(), state.instances.warnings().begin(),
                     state.instances.warnings().end());
   state.count(scene, s);
+  state.bytes_without_kdtree = s.memory_bytes;
+  count_kdtree(s);
   state.list_left_out(scene, changes, todo.size(), hidden, s);
   if (options.policy == Policy::automatic) s.left_out.push_back(reason(work));
   s.update_ms =
@@ -261,6 +287,15 @@ void Accelerator::note_rays(std::uint64_t rays, std::uint64_t nodes, std::uint64
 
 const trace::TraceView& Accelerator::view() const {
   return state_->view;
+}
+
+void Accelerator::count_kdtree(UpdateStatistics& statistics) const {
+  const kdtree::KdTree* tree = state_->kdtree.tree();
+  if (tree == nullptr) return;
+  const kdtree::Statistics now = kdtree::measure(*tree);
+  statistics.kdtree_nodes = now.nodes();
+  statistics.kdtree_built_fraction = now.built_fraction;
+  statistics.memory_bytes = state_->bytes_without_kdtree + state_->kdtree.bytes();
 }
 
 std::pair<Vec3d, Vec3d> Accelerator::world_bounds() const {
@@ -288,6 +323,8 @@ std::span<const Vec3> Accelerator::shading_normals(std::uint32_t mesh) const {
 std::string Accelerator::validate(const Scene& scene) const {
   std::string error = state_->tlas.validate();
   if (!error.empty()) return "top tree: " + error;
+  error = state_->kdtree.validate();
+  if (!error.empty()) return "k-d tree: " + error;
   for (std::uint32_t id = 0; id < state_->blases.size(); ++id) {
     const Blas& blas = state_->blases[id];
     if (!blas.exists() || state_->pending[id] != Pending::none) continue;

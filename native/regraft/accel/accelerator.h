@@ -41,6 +41,9 @@ class Accelerator {
   /// Valid until the next `update`.
   const trace::TraceView& view() const;
 
+  /// Fills in what there is by now of a k-d tree, which grows while rays are traced.
+  void count_kdtree(UpdateStatistics& statistics) const;
+
   /// World box of what can be hit, double; lo > hi when there is nothing.
   std::pair<Vec3d, Vec3d> world_bounds() const;
 

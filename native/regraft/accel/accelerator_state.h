@@ -10,6 +10,7 @@
 #include "regraft/accel/accelerator.h"
 #include "regraft/accel/blas.h"
 #include "regraft/accel/instance_set.h"
+#include "regraft/accel/kdtree_scene.h"
 #include "regraft/accel/shading_normals.h"
 #include "regraft/accel/tlas.h"
 
@@ -25,6 +26,7 @@ struct Accelerator::State {
   std::vector<Pending> pending_normals;
   InstanceSet instances;
   Tlas tlas;
+  KdtreeScene kdtree;
   trace::TraceView view;
   std::vector<std::string> mesh_warnings;
   /// What the last update was asked for and said, for an update with nothing to do.
@@ -36,6 +38,7 @@ struct Accelerator::State {
   std::atomic<std::uint64_t> tests_done{0};
   double frame_rays = 262144.0;
   UpdateStatistics last;
+  std::uint64_t bytes_without_kdtree = 0;
 
   void note(const ChangeSet& changes, std::size_t mesh_count);
   void mark(std::uint32_t mesh, Pending what);
@@ -45,6 +48,8 @@ struct Accelerator::State {
   std::vector<double> rays_by_mesh(const Scene& scene) const;
   TreeWork update_meshes(const Scene& scene, std::span<const std::uint32_t> todo, Layout layout,
                          const Tending& how, Executor& executor);
+  TreeWork bound_meshes(const Scene& scene, std::span<const std::uint32_t> todo,
+                        Executor& executor);
   void warn_of_dropped(const Scene& scene);
   void count(const Scene& scene, UpdateStatistics& statistics) const;
   void list_left_out(const Scene& scene, const ChangeSet& changes, std::size_t updated,

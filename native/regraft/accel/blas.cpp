@@ -31,7 +31,7 @@ std::vector<std::uint8_t> degenerate_flags(const Mesh& mesh, Executor& executor)
 
 TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Layout layout, const Tending& how,
                       Executor& executor) {
-  const bool other_prims = !exists_ || topology_changed || revived(mesh);
+  const bool other_prims = !exists_ || only_bounded_ || topology_changed || revived(mesh);
   TreeWork work;
   if (layout == Layout::flat) {
     tree_ = {};
@@ -47,6 +47,7 @@ TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Layout layout, co
     }
   }
   exists_ = true;
+  only_bounded_ = false;
   refitted_ = work.done != TreeUpdate::rebuild;
   return work;
 }
@@ -59,6 +60,24 @@ void Blas::sort_out(const Mesh& mesh, Executor& executor) {
   dropped_.clear();
   for (std::uint32_t t = 0; t < degenerate.size(); ++t)
     (degenerate[t] == 0 ? prims_ : dropped_).push_back(t);
+}
+
+void Blas::bound(const Mesh& mesh, Executor& executor) {
+  *this = {};
+  std::vector<Aabb> boxes((mesh.triangles.size() + grain - 1) / grain);
+  std::atomic<std::uint32_t> lost{0};
+  const auto count_lost = [&] { lost.fetch_add(1, std::memory_order_relaxed); };
+  executor.parallel_for(mesh.triangles.size(), grain, [&](std::size_t begin, std::size_t end) {
+    bvh::Box4 box;
+    for (std::size_t t = begin; t < end; ++t)
+      box.extend(fast_triangle_bounds(mesh, std::uint32_t(t), count_lost));
+    boxes[begin / grain] = box.aabb();
+  });
+  for (const Aabb& box : boxes) bounds_.extend(box);
+  extent_ = bounds_;
+  non_finite_ = lost;
+  only_bounded_ = true;
+  exists_ = true;
 }
 
 void Blas::build(const Mesh& mesh, const Tending& how, Executor& executor) {
@@ -114,14 +133,14 @@ trace::MeshView Blas::view(const Mesh& mesh) const {
   view.vertices = &mesh.vertices[0].x;
   view.triangles = &mesh.triangles[0].x;
   view.nodes = tree_.exists() ? tree_.wide_nodes() : nullptr;
-  view.prim_ids = prims().data();
-  view.prim_count = std::uint32_t(prims().size());
+  view.prim_ids = only_bounded_ ? nullptr : prims().data();
+  view.prim_count = std::uint32_t(only_bounded_ ? mesh.triangles.size() : prims().size());
   view.magnitude = extent_.magnitude();
   const Vec3d center = 0.5 * (Vec3d(extent_.lo) + Vec3d(extent_.hi));
   for (int k = 0; k < 3; ++k) view.center[k] = center[k];
   const Vec3d half = 0.5 * extent_.extents();
   view.radius = std::sqrt(half.x * half.x + half.y * half.y + half.z * half.z);
-  view.refitted = refitted_;
+  view.refitted = refitted_ || only_bounded_;
   return view;
 }
 

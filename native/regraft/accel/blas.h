@@ -22,6 +22,9 @@ class Blas {
   TreeWork update(const Mesh& mesh, bool topology_changed, Layout layout, const Tending& how,
                   Executor& executor);
 
+  /// Gives up the tree and only measures the mesh, for a structure that reads meshes by itself.
+  void bound(const Mesh& mesh, Executor& executor);
+
   bool exists() const { return exists_; }
   const bvh::Bvh& bvh() const { return tree_.bvh(); }
   /// Triangles that rays can meet.
@@ -58,6 +61,7 @@ class Blas {
   /// the tree was built, and so does what is decided by it.
   Aabb extent_;
   bool exists_ = false;
+  bool only_bounded_ = false;
   bool refitted_ = false;
 };
 

@@ -77,6 +77,10 @@ std::string_view name(Policy policy) {
   return "auto";
 }
 
+std::string_view name(Structure structure) {
+  return structure == Structure::kdtree ? "kdtree" : "bvh";
+}
+
 std::string_view name(Layout layout) {
   return layout == Layout::flat ? "flat" : "two-level";
 }

@@ -17,7 +17,7 @@ enum class Policy : std::uint8_t {
   selective,
   selective_rotate
 };
-enum class Structure : std::uint8_t { automatic, bvh };
+enum class Structure : std::uint8_t { automatic, bvh, kdtree };
 enum class Layout : std::uint8_t { two_level, flat };
 
 struct UpdateOptions {
@@ -75,6 +75,7 @@ TreeUpdate choose_update(const TreeState& tree, Policy policy);
 bool wants_metrics(Policy policy, const Habit& habit);
 
 std::string_view name(Policy policy);
+std::string_view name(Structure structure);
 std::string_view name(Layout layout);
 
 }  // namespace regraft::accel

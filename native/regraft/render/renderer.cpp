@@ -107,6 +107,7 @@ Frame Renderer::render(const Camera& camera, const RenderSettings& settings) {
   frame.cancelled = !loop.run(executor_, settings.poll);
   frame.passes = loop.take_images();
   static_cast<accel::UpdateStatistics&>(frame.statistics) = last_update_;
+  accelerator_.count_kdtree(frame.statistics);
   last_update_ = reported(std::move(last_update_));
   set_counts(loop.tally().rays, frame.statistics);
   accelerator_.note_rays(frame.statistics.rays_primary + frame.statistics.rays_shadow +

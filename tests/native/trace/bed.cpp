@@ -8,16 +8,23 @@ namespace {
 
 using accel::Layout;
 using accel::Policy;
+using accel::Structure;
 
-constexpr std::array<Setup, 6> all_setups{{{Policy::refit, Layout::two_level},
-                                           {Policy::rebuild, Layout::two_level},
-                                           {Policy::automatic, Layout::two_level},
-                                           {Policy::refit, Layout::flat},
-                                           {Policy::rebuild, Layout::flat},
-                                           {Policy::automatic, Layout::flat}}};
+constexpr std::array<Setup, 7> all_setups{
+    {{Policy::refit, Layout::two_level},
+     {Policy::rebuild, Layout::two_level},
+     {Policy::automatic, Layout::two_level},
+     {Policy::refit, Layout::flat},
+     {Policy::rebuild, Layout::flat},
+     {Policy::automatic, Layout::flat},
+     {Policy::automatic, Layout::two_level, Structure::kdtree}}};
 constexpr unsigned pool_sizes[] = {1, 2, 5};
 
 }  // namespace
+
+std::ostream& operator<<(std::ostream& out, const Setup& setup) {
+  return out << name(setup.policy) << ' ' << name(setup.layout) << ' ' << name(setup.structure);
+}
 
 std::span<const Setup> setups() {
   return all_setups;
@@ -49,11 +56,11 @@ std::string Bed::update() {
     accel::UpdateOptions options;
     options.policy = slot.setup.policy;
     options.layout = slot.setup.layout;
+    options.structure = slot.setup.structure;
     slot.statistics =
         slot.accelerator.update(scene, changes, options, slot.width, pool(slot.threads));
     const std::string invalid = slot.accelerator.validate(scene);
-    if (error.empty() && !invalid.empty())
-      error = text(name(slot.setup.policy), " ", name(slot.setup.layout), ": ", invalid);
+    if (error.empty() && !invalid.empty()) error = text(slot.setup, ": ", invalid);
   }
   return error;
 }
@@ -62,9 +69,7 @@ std::string Bed::differences(std::span<const Ray> rays) const {
   const std::vector<Found> wanted = hits(rays);
   for (const Slot& slot : slots_) {
     const std::string error = difference(slot.accelerator.view(), slot.width, rays, wanted);
-    if (!error.empty())
-      return text(name(slot.setup.policy), " ", name(slot.setup.layout),
-                  slot.fickle ? " fickle " : " ", error);
+    if (!error.empty()) return text(slot.setup, slot.fickle ? " fickle " : " ", error);
   }
   return "";
 }

@@ -14,7 +14,9 @@ namespace regraft::test {
 struct Setup {
   accel::Policy policy;
   accel::Layout layout;
+  accel::Structure structure = accel::Structure::bvh;
   friend bool operator==(const Setup&, const Setup&) = default;
+  friend std::ostream& operator<<(std::ostream& out, const Setup& setup);
 };
 
 /// Every way there is: what is added here is tested everywhere.

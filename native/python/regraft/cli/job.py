@@ -11,7 +11,7 @@ from typing import Any
 
 SHADINGS = ("clay", "occlusion", "direct", "reflection", "cost")
 POLICIES = ("auto", "refit", "rebuild", "selective", "selective+rotate", "lm", "rtdeform")
-STRUCTURES = ("auto", "bvh")
+STRUCTURES = ("auto", "bvh", "kdtree")
 LAYOUTS = ("two-level", "flat")
 PASSES = ("combined", "depth", "normal", "object_index", "cost")
 SUFFIXES = {"png": ".png", "exr": ".exr", "jpeg": ".jpg"}
