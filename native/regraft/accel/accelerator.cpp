@@ -267,6 +267,7 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
                     state.instances.warnings().end());
   state.count(scene, s);
   state.bytes_without_kdtree = s.memory_bytes;
+  if (kdtree) s.cost_ratio = 1.0;
   count_kdtree(s);
   state.list_left_out(scene, changes, todo.size(), hidden, s);
   if (options.policy == Policy::automatic) s.left_out.push_back(reason(work));
@@ -295,6 +296,7 @@ void Accelerator::count_kdtree(UpdateStatistics& statistics) const {
   const kdtree::Statistics now = kdtree::measure(*tree);
   statistics.kdtree_nodes = now.nodes();
   statistics.kdtree_built_fraction = now.built_fraction;
+  statistics.culling_efficiency = now.sam_cost;
   statistics.memory_bytes = state_->bytes_without_kdtree + state_->kdtree.bytes();
 }
 

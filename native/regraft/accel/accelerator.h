@@ -56,7 +56,8 @@ class Accelerator {
   std::span<const Vec3> shading_normals(std::uint32_t mesh) const;
 
   /// How good the trees are, by the names of `regraft.Scene.quality`. `fresh`: also build every
-  /// tree anew, beside the present ones, to compare with.
+  /// tree anew, beside the present ones, to compare with. Of a k-d tree: of all of it, so what no
+  /// ray has asked for is built.
   Quality quality(const Scene& scene, bool fresh, Executor& executor) const;
 
   /// For tests and studies: every tree checked, the first violation in words or "".

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "regraft/accel/accelerator_state.h"
+#include "regraft/kdtree/statistics.h"
 
 namespace regraft::accel {
 
@@ -121,12 +122,25 @@ double end_point_overlap(const Scene& scene, const InstanceSet& instances, const
   return sum / epo_samples;
 }
 
+/// Cells do not overlap and do not wear: no end-point overlap, and a fresh tree would be the same.
+Quality whole_kdtree(const KdtreeScene& scene, std::uint64_t bytes_beside, Executor& executor) {
+  scene.tree()->complete(executor);
+  const kdtree::Statistics now = kdtree::measure(*scene.tree());
+  Quality q;
+  q.sah_cost = q.culling_efficiency = now.sam_cost;
+  q.depth = now.depth;
+  q.bytes = bytes_beside + scene.bytes();
+  return q;
+}
+
 }  // namespace
 
 Quality Accelerator::quality(const Scene& scene, bool fresh, Executor& executor) const {
   const State& state = *state_;
   Quality q;
   if (state.tlas.bounds().empty()) return q;
+  if (state.kdtree.tree() != nullptr)
+    return whole_kdtree(state.kdtree, state.bytes_without_kdtree, executor);
   q.sah_cost = q.culling_efficiency = state.last.culling_efficiency;
   q.cost_ratio = state.last.cost_ratio;
   q.epo = end_point_overlap(scene, state.instances, state.tlas,

@@ -7,6 +7,9 @@ namespace regraft::kdtree {
 
 struct Pending;
 
+/// Edges from the root to the deepest leaf of any tree, whatever the scene (numerics rule N9).
+inline constexpr std::uint32_t deepest = 60;
+
 /// A primitive in a leaf: number `prim` of object `object`, as the hierarchy calls them.
 struct PrimRef {
   std::uint32_t object;

@@ -13,9 +13,6 @@ namespace regraft::kdtree {
 
 namespace {
 
-/// No tree is deeper, whatever the scene (numerics rule N9).
-constexpr std::uint32_t deepest = 60;
-
 double total_weight(std::span<const HierarchyEntry> list) {
   double sum = 0.0;
   for (const HierarchyEntry& e : list) sum += e.weight;

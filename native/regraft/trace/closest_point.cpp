@@ -7,6 +7,7 @@
 
 #include "regraft/bvh/bvh.h"
 #include "regraft/bvh/wide_bvh.h"
+#include "regraft/kdtree/kdtree.h"
 #include "regraft/trace/point_triangle.h"
 
 namespace regraft::trace {
@@ -19,6 +20,9 @@ using bvh::WideNode;
 /// Boxes count as this much nearer, relative to the coordinates at hand: more than the rounding of
 /// the frames' change, which is in double.
 constexpr double slack = 0x1p-44;
+
+/// Cells of a k-d tree the same, by a few times what their builder takes for rounding.
+constexpr double cell_slack = 0x1p-17;
 
 /// A node to visit, or the primitives of a leaf, no nearer than `distance` (not squared: the
 /// squares of 1e200 are no doubles).
@@ -121,7 +125,66 @@ class Search {
     });
   }
 
+  /// The same through the cells of a k-d tree; builds those that may hold the nearest point.
+  void cells() {
+    const kdtree::KdTree& tree = *view_.kdtree;
+    const Vec3d p = p_ - Vec3d(view_.scene_origin[0], view_.scene_origin[1], view_.scene_origin[2]);
+    const Aabb& box = tree.bounds();
+    Cell cell{&tree.root(), Vec3d(0.0)};
+    for (int k = 0; k < 3; ++k)
+      cell.away[k] = std::max({double(box.lo[k]) - p[k], p[k] - double(box.hi[k]), 0.0});
+    // Cells end at triangles cut by planes, in floats.
+    const double margin = cell_slack * std::max(double(box.magnitude()), largest(p));
+    Cell stack[kdtree::deepest + 1];
+    int count = 0;
+    for (;;) {
+      if (glm::length(cell.away) - margin <= limit_) {
+        cell.node = descend(tree, cell, p, stack, count);
+        test_leaf(*cell.node);
+      }
+      if (count == 0) return;
+      cell = stack[--count];
+    }
+  }
+
  private:
+  /// `away`: from the point to the cell, axis by axis.
+  struct Cell {
+    kdtree::Node* node;
+    Vec3d away;
+  };
+
+  /// The leaf of the cell that is nearest to the point; what lies beyond planes goes to the stack.
+  static kdtree::Node* descend(const kdtree::KdTree& tree, const Cell& cell, const Vec3d& p,
+                               Cell* stack, int& count) {
+    kdtree::Node* node = cell.node;
+    for (;;) {
+      const std::uint32_t state = node->state.load(std::memory_order_acquire);
+      if (kdtree::Node::is_inner(state)) {
+        const int axis = int(state);
+        const bool upper = p[axis] > double(node->split);
+        Vec3d away = cell.away;
+        away[axis] = std::max(away[axis], std::fabs(p[axis] - double(node->split)));
+        stack[count++] = {node->children + (upper ? 0 : 1), away};
+        node = node->children + (upper ? 1 : 0);
+      } else if (kdtree::Node::is_built(state)) {
+        return node;
+      } else {
+        tree.expand(*node);
+      }
+    }
+  }
+
+  void test_leaf(const kdtree::Node& leaf) {
+    const std::uint32_t count = kdtree::Node::prim_count(leaf.state.load(std::memory_order_acquire));
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const kdtree::PrimRef& ref = leaf.prims[i];
+      const InstanceView& instance = view_.instances[ref.object];
+      if (frame_.of != &instance) frame_ = Frame(instance, p_);
+      try_triangle(frame_, ref.prim);
+    }
+  }
+
   template <int W>
   void below(const Frame& frame) {
     const InstanceView& instance = *frame.of;
@@ -168,6 +231,7 @@ class Search {
   Vec3d p_;
   double limit_;
   PointHit hit_;
+  Frame frame_;
 };
 
 bool usable(const Vec3d& p) {
@@ -179,7 +243,9 @@ bool usable(const Vec3d& p) {
 PointHit closest_point(const TraceView& view, const Vec3d& p, double max_distance) {
   Search search(view, p, max_distance);
   if (view.top_nodes == nullptr || !usable(p)) return search.hit();
-  if (view.width == 8)
+  if (view.kdtree != nullptr)
+    search.cells();
+  else if (view.width == 8)
     search.top<8>();
   else
     search.top<4>();
@@ -192,8 +258,9 @@ PointHit closest_point_brute_force(const TraceView& view, const Vec3d& p, double
   for (std::uint32_t i = 0; i < view.instance_count; ++i) {
     const InstanceView& instance = view.instances[i];
     const Frame frame(instance, p);
+    const std::uint32_t* prims = instance.mesh.prim_ids;
     for (std::uint32_t k = 0; k < instance.mesh.prim_count; ++k)
-      search.try_triangle(frame, instance.mesh.prim_ids[k]);
+      search.try_triangle(frame, prims == nullptr ? k : prims[k]);
   }
   return search.hit();
 }

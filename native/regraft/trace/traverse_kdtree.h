@@ -13,9 +13,6 @@ namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
 /// within the slack of both sides.
 inline constexpr float cell_slack = 4.0f;
 
-/// Edges from the root to the deepest leaf: no builder goes beyond.
-inline constexpr int cell_stack_size = 64;
-
 /// A ray in the tree's frame. Origins far away are moved to the scene, as for meshes.
 REGRAFT_INLINE LocalRay make_cell_ray(const TraceView& view, const WorldRay& world) {
   LocalFrame frame;
@@ -94,7 +91,7 @@ class CellWalk {
     const float start = local_start(ray_);
     Cell cell{&view_.kdtree->root(), all.near > start ? all.near : start, all.far};
     if (!(cell.near <= cell.far)) return false;
-    Cell stack[cell_stack_size];
+    Cell stack[kdtree::deepest + 1];
     int top = 0;
     for (;;) {
       if (!(cell.near > local_limit(ray_, nearest_.t))) {

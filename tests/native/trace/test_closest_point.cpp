@@ -14,11 +14,13 @@ namespace regraft::test {
 namespace {
 
 using accel::Layout;
+using accel::Structure;
 using trace::PointHit;
 
 struct Kept {
   Layout layout;
   int width;
+  Structure structure;
   accel::Accelerator trees;
 };
 
@@ -26,16 +28,18 @@ struct Kept {
 struct Points {
   Scene scene;
   Executor executor{2};
-  Kept kept[4]{{Layout::two_level, 8, {}},
-               {Layout::two_level, 4, {}},
-               {Layout::flat, 8, {}},
-               {Layout::flat, 4, {}}};
+  Kept kept[5]{{Layout::two_level, 8, Structure::bvh, {}},
+               {Layout::two_level, 4, Structure::bvh, {}},
+               {Layout::flat, 8, Structure::bvh, {}},
+               {Layout::flat, 4, Structure::bvh, {}},
+               {Layout::two_level, 8, Structure::kdtree, {}}};
 
   void update() {
     const ChangeSet changes = scene.take_changes();
     for (Kept& k : kept) {
       accel::UpdateOptions options;
       options.layout = k.layout;
+      options.structure = k.structure;
       options.policy = accel::Policy::refit;
       k.trees.update(scene, changes, options, k.width, executor);
     }
