@@ -238,9 +238,8 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
                          : state.update_meshes(scene, todo, options.layout, how, executor);
   // Rays do not see the tree over instances beside a k-d tree: it says how large the scene is.
   const Layout layout = kdtree ? Layout::two_level : options.layout;
-  InstanceSet::Changes placed =
-      state.instances.update(scene, state.blases, changes, changed,
-                             kdtree ? Layout::flat : options.layout, how, executor);
+  InstanceSet::Changes placed = state.instances.update(
+      scene, state.blases, changes, changed, kdtree ? Layout::flat : options.layout, how, executor);
   work.add(placed.baked);
   if (layout == Layout::flat && work.done == TreeUpdate::rebuild) placed.set_changed = true;
   work.add(state.tlas.update(scene, state.instances, placed, layout, how, executor));

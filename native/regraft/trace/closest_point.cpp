@@ -176,7 +176,8 @@ class Search {
   }
 
   void test_leaf(const kdtree::Node& leaf) {
-    const std::uint32_t count = kdtree::Node::prim_count(leaf.state.load(std::memory_order_acquire));
+    const std::uint32_t count =
+        kdtree::Node::prim_count(leaf.state.load(std::memory_order_acquire));
     for (std::uint32_t i = 0; i < count; ++i) {
       const kdtree::PrimRef& ref = leaf.prims[i];
       const InstanceView& instance = view_.instances[ref.object];
