@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from regraft.cli import study_update
+from regraft.cli import study_compare, study_prediction, study_update
 
 _EPILOG = """exit codes: 0 done; 1 an identity failed: two ways to trace the same rays disagree;
 2 usage; 3 bad or unreadable input; 4 output could not be written; 130 interrupted"""
@@ -21,5 +21,5 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     kinds = study.add_subparsers(title="studies", required=True, metavar="WHAT")
-    for kind in (study_update,):
+    for kind in (study_update, study_prediction, study_compare):
         kind.add_parser(kinds)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,13 @@ from regraft.cli.errors import (
     SelfCheckError,
     describe_write_failure,
 )
+from regraft.cli.interrupt import Interrupt
 from regraft.cli.machine import machine
+from regraft.cli.recording import Recording, recorded
 from regraft.formats import atomic
 from regraft.study import plots
 from regraft.study.report import Report
+from regraft.study.shot import Shot
 
 FACTS = {
     "processor": "processor",
@@ -80,6 +84,33 @@ def names(files: Sequence[Path]) -> list[str]:
         same = sum(name == path.stem or name.startswith(f"{path.stem} (") for name in found)
         found.append(f"{path.stem} ({same + 1})" if same else path.stem)
     return found
+
+
+def shots(
+    args: argparse.Namespace, console: Console, interrupt: Interrupt, shading: str = "clay"
+) -> Iterator[tuple[str, Shot]]:
+    """Each file's name and shot, recorded as that mode of shading needs it; the shot's folder
+    lives until the next is asked for."""
+    for name, source in zip(names(args.files), args.files, strict=True):
+        wanted = Recording(source, args.frames, shading, args.verbose)
+        with recorded(wanted, console, interrupt) as shot:
+            yield name, shot
+
+
+@contextmanager
+def steps(
+    name: str, count: int, console: Console, interrupt: Interrupt
+) -> Iterator[Callable[[object], None]]:
+    """Yields what to call after each of `count` steps; it raises InterruptedRunError."""
+    with console.progress(count, name) as progress:
+
+        def tick(step: object) -> None:
+            progress.step(
+                f"{name}, frame {step}" if isinstance(step, int) else str(step), str(step)
+            )
+            interrupt.check()
+
+        yield tick
 
 
 def start(title: str, **facts: Any) -> Report:

@@ -11,7 +11,6 @@ from regraft.cli import options, study_frame
 from regraft.cli.console import Console
 from regraft.cli.interrupt import Interrupt
 from regraft.cli.job import LAYOUTS, POLICIES
-from regraft.cli.recording import Recording, recorded
 from regraft.study import aging_table, update, update_report
 from regraft.study.report import Report
 from regraft.study.shot import Shot
@@ -79,24 +78,22 @@ def run(args: argparse.Namespace, console: Console) -> int:
         picture=f"{args.size} × {args.size} pixels, a primary and a shadow ray each",
     )
     with Interrupt(console).watching() as interrupt:
-        for name, source in zip(study_frame.names(args.files), args.files, strict=True):
-            wanted = Recording(source, args.frames, verbose=args.verbose)
-            with recorded(wanted, console, interrupt) as shot:
-                rows = _measure(name, shot, settings, console, interrupt)
-            _add(report, name, rows, console)
+        for name, shot in study_frame.shots(args, console, interrupt):
+            _add(report, name, _measure(name, shot, settings, console, interrupt), console)
     return study_frame.finish(report, args.output, console)
 
 
 def _measure(
     name: str, shot: Shot, settings: update.Settings, console: Console, interrupt: Interrupt
 ) -> list[Row]:
-    with console.progress(len(shot) * settings.repeats, name) as progress:
-
-        def tick(repeat: int, frame: int) -> None:
-            progress.step(f"{name}, replay {repeat + 1}, frame {frame}", str(frame))
-            interrupt.check()
-
-        return list(update.measure(shot, settings, tick))
+    with study_frame.steps(name, len(shot) * settings.repeats, console, interrupt) as tick:
+        return list(
+            update.measure(
+                shot,
+                settings,
+                lambda repeat, frame: tick(f"{name}, replay {repeat + 1}, frame {frame}"),
+            )
+        )
 
 
 def _add(report: Report, name: str, rows: list[Row], console: Console) -> None:
