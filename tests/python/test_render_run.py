@@ -39,12 +39,14 @@ class Shot:
         resume: bool = False,
         samples: int = 1,
         movie: bool = False,
+        explain: bool = False,
     ) -> int:
         target = self.folder / "m.mp4" if movie else None
         outputs = Outputs(self.frames, "shot", ".png", self.statistics, target, resume)
         job = RenderJob(str(self.folder / "shot.blend"), samples=samples)
         with Console() as console:
-            return RenderRun(job, outputs, None, console, choose=lambda _: backend).run()
+            run = RenderRun(job, outputs, None, console, explain=explain, choose=lambda _: backend)
+            return run.run()
 
     def names(self) -> list[str]:
         return sorted(p.name for p in self.frames.iterdir() if p.name.startswith("shot"))
@@ -181,3 +183,12 @@ def test_statistics_in_a_missing_folder_are_refused_before_any_work(shot: Shot) 
     outputs = Outputs(shot.frames, "shot", ".png", shot.folder / "no" / "s.jsonl", None, False)
     with Console() as console, pytest.raises(OutputError, match=r"s\.jsonl: No such file"):
         RenderRun(RenderJob("x"), outputs, None, console).run()
+
+
+def test_a_plan_is_told_for_each_frame_if_asked(
+    shot: Shot, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert shot.run(StandInBackend()) == 0
+    assert "    left out: no deformation" not in capsys.readouterr().out
+    assert shot.run(StandInBackend(), explain=True) == 0
+    assert capsys.readouterr().out.count("    left out: no deformation: no refit\n") == 3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from regraft.cli.summary import frame_line, summarise, warnings
+from regraft.cli.summary import frame_line, plan, summarise, warnings
 
 ROWS = [
     {"total_ms": 30.0, "trace_ms": 10.0, "left_out": ["no deformation: no refit"]},
@@ -38,3 +38,24 @@ def test_a_frame_is_one_line() -> None:
 def test_a_warning_is_told_once_with_its_frames() -> None:
     rows = [{"frame": f, "warnings": ["bad", "odd"] if f == 2 else ["bad"]} for f in (1, 2, 3)]
     assert warnings(rows) == ["bad (frames 1-3)", "odd (frames 2)"]
+
+
+def test_the_plan_tells_what_was_needed_and_what_was_not() -> None:
+    row = {
+        "policy": "auto",
+        "structure": "bvh",
+        "layout": "flat",
+        "deformed_meshes": 1,
+        "deformed_triangles": 12345,
+        "nodes": 2000,
+        "nodes_refitted": 1999,
+        "rays_primary": 64,
+        "left_out": ["no lights: no shadow rays"],
+    }
+    assert plan(row) == [
+        "changed: 1 meshes of 12,345 triangles deformed, 0 instances moved",
+        "trees (auto, bvh, flat): 1,999 of 2,000 nodes refitted, 0 rebuilt, 0 of 0 pairs mended",
+        "rays: 64 primary, 0 shadow, 0 secondary",
+        "left out: no lights: no shadow rays",
+    ]
+    assert plan({"left_out": ["all"]}) == ["left out: all"], "nothing was done"

@@ -62,7 +62,7 @@ class Console:
         from tqdm import tqdm
 
         with tqdm(total=total, desc=what, unit="frame", file=self.err, dynamic_ncols=True) as bar:
-            yield _Bar(bar)
+            yield _Bar(self, bar)
 
     @staticmethod
     def _line(stream: TextIO, text: str) -> None:
@@ -71,9 +71,12 @@ class Console:
 
 
 class Progress(Protocol):
-    """Takes one step; `text` is a line of its own, `short` fits beside a bar."""
+    """Takes one step; `text` is a line of its own, `short` fits beside a bar. `say`: a line of
+    result, bar or no bar."""
 
     def step(self, text: str, short: str) -> None: ...
+
+    def say(self, text: str) -> None: ...
 
 
 class _Lines:
@@ -84,10 +87,18 @@ class _Lines:
         self._done += 1
         self._console.say(f"[{self._done}/{self._total}] {text}")
 
+    def say(self, text: str) -> None:
+        self._console.say(text)
+
 
 class _Bar:
-    def __init__(self, bar: tqdm) -> None:
-        self._bar = bar
+    def __init__(self, console: Console, bar: tqdm) -> None:
+        self._console, self._bar = console, bar
+
+    def say(self, text: str) -> None:
+        self._bar.clear()
+        self._console.say(text)
+        self._bar.refresh()
 
     def step(self, text: str, short: str) -> None:
         self._bar.set_postfix_str(short, refresh=False)

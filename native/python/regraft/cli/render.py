@@ -141,6 +141,11 @@ def _add_output_options(group: argparse._ArgumentGroup) -> None:
         action="store_true",
         help="leave finished frames made with the same settings alone",
     )
+    group.add_argument(
+        "--explain",
+        action="store_true",
+        help="tell for each frame what changed, what was done about it, and what was left out",
+    )
     group.add_argument("--verbose", action="store_true", help="let Blender's own output through")
 
 
@@ -155,7 +160,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
         movie=args.movie,
         resume=args.resume,
     )
-    return RenderRun(job, outputs, args.frames, console, args.verbose).run()
+    return RenderRun(job, outputs, args.frames, console, args.verbose, args.explain).run()
 
 
 def _job(args: argparse.Namespace) -> RenderJob:

@@ -53,6 +53,7 @@ class RenderRun:
     frames: Sequence[int] | None
     console: Console
     verbose: bool = False
+    explain: bool = False
     choose: Callable[[bool], Backend] = choose_backend
 
     def run(self) -> int:
@@ -122,6 +123,8 @@ class RenderRun:
     def _show(self, row: Row, progress: Progress) -> None:
         name = self.outputs.frame_path(row["frame"]).name
         progress.step(summary.frame_line(row, name), f"frame {row['frame']}")
+        for line in summary.plan(row) if self.explain else ():
+            progress.say(f"    {line}")
 
     def _finish(self, info: SceneInfo, files: list[Path], rows: list[Row]) -> None:
         if self.outputs.movie:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from statistics import median
 from typing import Any
@@ -17,6 +17,34 @@ def frame_line(row: dict[str, Any], name: str) -> str:
     """One frame in one line."""
     cost = ", ".join(f"{stage} {row.get(f'{stage}_ms') or 0.0:.0f}" for stage in STAGES[:-1])
     return f"{name}: {row.get('total_ms') or 0.0:.0f} ms ({cost})"
+
+
+# What a frame may have to do: a sentence, and the counts in it that must not all be 0.
+_WORK = (
+    (
+        "changed: {deformed_meshes:,} meshes of {deformed_triangles:,} triangles deformed, "
+        "{moved_instances:,} instances moved",
+        ("deformed_meshes", "moved_instances"),
+    ),
+    (
+        "trees ({policy}, {structure}, {layout}): {nodes_refitted:,} of {nodes:,} nodes refitted, "
+        "{nodes_rebuilt:,} rebuilt, {pairs_restructured:,} of {pairs_considered:,} pairs mended",
+        ("nodes_refitted", "nodes_rebuilt", "pairs_considered"),
+    ),
+    ("k-d tree: {kdtree_nodes:,} nodes built", ("kdtree_nodes",)),
+    (
+        "rays: {rays_primary:,} primary, {rays_shadow:,} shadow, {rays_secondary:,} secondary",
+        ("rays_primary",),
+    ),
+)
+
+
+def plan(row: dict[str, Any]) -> list[str]:
+    """A frame's plan, a line each: what changed, what was done about it, what was left out."""
+    known = defaultdict(int, row)
+    needed = (words.format_map(known) for words, counts in _WORK if any(known[c] for c in counts))
+    left_out = (f"left out: {words}" for words in row.get("left_out") or ())
+    return [*needed, *left_out]
 
 
 def summarise(rows: Sequence[dict[str, Any]]) -> list[str]:
