@@ -35,6 +35,10 @@ def source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
         ("bench", "update"),
         ("study",),
         ("study", "update"),
+        ("study", "image"),
+        ("study", "prediction"),
+        ("study", "stability"),
+        ("study", "compare"),
         ("doctor",),
     ],
 )

@@ -4,8 +4,15 @@ from __future__ import annotations
 
 import argparse
 
-from regraft.cli import study_compare, study_prediction, study_update
+from regraft.cli import (
+    study_compare,
+    study_image,
+    study_prediction,
+    study_stability,
+    study_update,
+)
 
+KINDS = (study_update, study_image, study_prediction, study_stability, study_compare)
 _EPILOG = """exit codes: 0 done; 1 an identity failed: two ways to trace the same rays disagree;
 2 usage; 3 bad or unreadable input; 4 output could not be written; 130 interrupted"""
 
@@ -21,5 +28,5 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     kinds = study.add_subparsers(title="studies", required=True, metavar="WHAT")
-    for kind in (study_update, study_prediction, study_compare):
+    for kind in KINDS:
         kind.add_parser(kinds)

@@ -89,12 +89,12 @@ def lines(axes: Axes, series: Mapping[str, tuple[Sequence[float], Sequence[float
         axes.legend()
 
 
-def log_scale(axes: Axes) -> None:
-    """Makes the y axis logarithmic, with plain numbers at the ticks."""
+def log_scale(axes: Axes, which: str = "y") -> None:
+    """Makes that axis logarithmic, with plain numbers at the ticks."""
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-    axes.set_yscale("log")
-    axis = axes.yaxis
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    axes.set(**{f"{which}scale": "log"})
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
