@@ -36,6 +36,7 @@ def source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
         ("study",),
         ("study", "update"),
         ("study", "image"),
+        ("study", "lazy"),
         ("study", "prediction"),
         ("study", "stability"),
         ("study", "compare"),

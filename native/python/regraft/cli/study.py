@@ -7,12 +7,20 @@ import argparse
 from regraft.cli import (
     study_compare,
     study_image,
+    study_lazy,
     study_prediction,
     study_stability,
     study_update,
 )
 
-KINDS = (study_update, study_image, study_prediction, study_stability, study_compare)
+KINDS = (
+    study_update,
+    study_image,
+    study_prediction,
+    study_lazy,
+    study_stability,
+    study_compare,
+)
 _EPILOG = """exit codes: 0 done; 1 an identity failed: two ways to trace the same rays disagree;
 2 usage; 3 bad or unreadable input; 4 output could not be written; 130 interrupted"""
 

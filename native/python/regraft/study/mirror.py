@@ -21,7 +21,7 @@ class Mirror:
 
     def __init__(self, scene: regraft.Scene, stretch: float = 1.0) -> None:
         self.scene, self.place = scene, np.eye(4)
-        self._stretch = stretch
+        self._stretch, self._originals = stretch, 0
         self._meshes: dict[int, tuple[Numbers, npt.NDArray[np.uint32]]] = {}
         self._instances: dict[int, tuple[int, Numbers]] = {}
         self._first: dict[tuple[str, int], Numbers] = {}
@@ -74,6 +74,14 @@ class Mirror:
         self.scene.remove_instances(ids)
         for instance in map(int, ids):
             del self._instances[instance]
+
+    def add_copy(self, m: Numbers) -> None:
+        """A second instance of every instance there is but the copies, moved by `m`."""
+        originals = [(mesh, matrix) for mesh, matrix in self._instances.values()]
+        originals = originals[: self._originals or len(originals)]
+        self._originals = len(originals)
+        meshes = np.array([mesh for mesh, _ in originals], np.uint32)
+        self.add_instances(meshes, np.stack([m @ matrix for _, matrix in originals]))
 
     def see_through(self, place: Numbers) -> None:
         """Moves everything there is."""
