@@ -40,6 +40,14 @@ class HierarchyView {
   /// empty if that is nothing.
   virtual Aabb clip(const HierarchyEntry& primitive, const Aabb& voxel) const = 0;
 
+  /// `clip` of a primitive to both sides of a plane across `axis` through `voxel`.
+  virtual void clip_sides(const HierarchyEntry& primitive, const Aabb& voxel, int axis,
+                          float position, Aabb (&sides)[2]) const {
+    Aabb side[2] = {voxel, voxel};
+    side[0].hi[axis] = side[1].lo[axis] = position;
+    for (int s = 0; s < 2; ++s) sides[s] = clip(primitive, side[s]);
+  }
+
   /// Largest number of children of any entry.
   virtual std::uint32_t fan_out() const = 0;
 };

@@ -19,8 +19,7 @@ ChildProbability::ChildProbability(const Aabb& voxel, OriginMetric metric, const
   if (metric_ == OriginMetric::regions6) prepare_regions6();
 }
 
-ChildProbability::Pair ChildProbability::at(int axis, double position) const {
-  if (metric_ == OriginMetric::sah) return sah_at(axis, position);
+ChildProbability::Pair ChildProbability::origins_at(int axis, double position) const {
   const double place = space_.place(axis, position);
   if (place < 0.0) return {0.0, 1.0};
   if (place > space_.size[axis]) return {1.0, 0.0};
@@ -40,12 +39,6 @@ void ChildProbability::prepare_sah() {
     t.base_left = t.base_right =
         area > 0.0 ? u * v / area : (length > 0.0 ? (u + v) / length : 1.0);
   }
-}
-
-ChildProbability::Pair ChildProbability::sah_at(int axis, double position) const {
-  const Terms& t = terms_[std::size_t(axis)];
-  return {t.base_left + t.slope * (position - double(voxel_.lo[axis])),
-          t.base_right + t.slope * (double(voxel_.hi[axis]) - position)};
 }
 
 void ChildProbability::prepare_regions6() {

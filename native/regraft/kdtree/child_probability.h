@@ -23,7 +23,9 @@ class ChildProbability {
   ChildProbability(const Aabb& voxel, OriginMetric metric, const Aabb& origins);
 
   /// `position` lies in the voxel. `sah`, `regions6`: a handful of operations; else two p_N.
-  Pair at(int axis, double position) const;
+  Pair at(int axis, double position) const {
+    return metric_ == OriginMetric::sah ? sah_at(axis, position) : origins_at(axis, position);
+  }
   /// Both are linear in the position: bounds are tighter then.
   bool linear() const { return metric_ == OriginMetric::sah; }
   const Aabb& voxel() const { return voxel_; }
@@ -38,7 +40,12 @@ class ChildProbability {
   };
   void prepare_sah();
   void prepare_regions6();
-  Pair sah_at(int axis, double position) const;
+  Pair sah_at(int axis, double position) const {
+    const Terms& t = terms_[std::size_t(axis)];
+    return {t.base_left + t.slope * (position - double(voxel_.lo[axis])),
+            t.base_right + t.slope * (double(voxel_.hi[axis]) - position)};
+  }
+  Pair origins_at(int axis, double position) const;
   Pair regions6_at(int axis, double place) const;
   Pair general_at(int axis, double place) const;
 

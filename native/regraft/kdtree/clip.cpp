@@ -1,7 +1,7 @@
 #include "regraft/kdtree/clip.h"
 
 #include <cmath>
-#include <utility>
+#include <limits>
 
 #include "regraft/core/rounding.h"
 
@@ -11,7 +11,7 @@ namespace {
 
 /// A triangle cut by six planes has at most nine corners.
 struct Polygon {
-  Vec3d corner[9];
+  Vec3d corner[9];  // not initialised: few are used
   int count = 0;
 
   void add(const Vec3d& p) { corner[count++] = p; }
@@ -34,9 +34,9 @@ void clip_side(const Polygon& in, int axis, double sign, double plane, Polygon& 
   }
 }
 
-/// The triangle's own box, cut to the voxel; what most triangles of a leaf need, being inside it.
 struct Extent {
-  Vec3d lo, hi;
+  Vec3d lo{std::numeric_limits<double>::infinity()};
+  Vec3d hi{-std::numeric_limits<double>::infinity()};
 
   void extend(const Vec3d& p) {
     for (int k = 0; k < 3; ++k) {
@@ -54,34 +54,73 @@ struct Extent {
   }
 };
 
+/// A triangle while it is clipped. Where it does not reach beyond a plane nothing is done.
+class Clipping {
+ public:
+  Clipping(const Vec3d (&corners)[3], const Vec3d& margin) : margin_(margin) {
+    for (const Vec3d& corner : corners) {
+      room_[0].add(corner);
+      whole_.extend(corner);
+      for (int k = 0; k < 3; ++k) largest_ = std::fmax(largest_, std::fabs(corner[k]));
+    }
+  }
+
+  void to_voxel(const Aabb& voxel) {
+    for (int k = 0; k < 3 && polygon().count > 0; ++k) {
+      above(k, double(voxel.lo[k]));
+      below(k, double(voxel.hi[k]));
+    }
+  }
+  void above(int axis, double plane) {
+    const double lo = plane - slack(axis);
+    if (whole_.lo[axis] < lo) clip(axis, 1.0, lo);
+  }
+  void below(int axis, double plane) {
+    const double hi = plane + slack(axis);
+    if (whole_.hi[axis] > hi) clip(axis, -1.0, hi);
+  }
+
+  Aabb within(const Aabb& voxel) const {
+    Extent part;
+    for (int i = 0; i < polygon().count; ++i) part.extend(polygon().corner[i]);
+    return polygon().count > 0 ? part.within(margin_, voxel) : Aabb{};
+  }
+
+ private:
+  const Polygon& polygon() const { return room_[at_]; }
+  /// Far beyond the rounding of one intersection, far below that of a ray.
+  double slack(int axis) const { return margin_[axis] + 0x1p-48 * largest_; }
+  void clip(int axis, double sign, double plane) {
+    clip_side(room_[at_], axis, sign, plane, room_[1 - at_]);
+    at_ = 1 - at_;
+  }
+
+  Polygon room_[2];
+  int at_ = 0;
+  Extent whole_;
+  Vec3d margin_;
+  double largest_ = 0.0;
+};
+
 }  // namespace
 
 Aabb clip_triangle(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& voxel) {
-  Extent whole{corners[0], corners[0]};
-  whole.extend(corners[1]);
-  whole.extend(corners[2]);
-  Polygon polygon{{corners[0], corners[1], corners[2]}, 3};
-  Polygon other;
-  double largest = 0.0;
-  for (int k = 0; k < 3; ++k)
-    largest = std::fmax(largest, std::fmax(std::fabs(whole.lo[k]), std::fabs(whole.hi[k])));
-  for (int k = 0; k < 3 && polygon.count > 0; ++k) {
-    // Far beyond the rounding of one intersection, far below that of a ray.
-    const double slack = margin[k] + 0x1p-48 * largest;
-    const double lo = double(voxel.lo[k]) - slack, hi = double(voxel.hi[k]) + slack;
-    if (whole.lo[k] < lo) {
-      clip_side(polygon, k, 1.0, lo, other);
-      std::swap(polygon, other);
-    }
-    if (whole.hi[k] > hi) {
-      clip_side(polygon, k, -1.0, hi, other);
-      std::swap(polygon, other);
-    }
-  }
-  if (polygon.count == 0) return {};
-  Extent part{polygon.corner[0], polygon.corner[0]};
-  for (int i = 1; i < polygon.count; ++i) part.extend(polygon.corner[i]);
-  return part.within(margin, voxel);
+  Clipping clipping(corners, margin);
+  clipping.to_voxel(voxel);
+  return clipping.within(voxel);
+}
+
+void clip_triangle_sides(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& voxel,
+                         int axis, float position, Aabb (&sides)[2]) {
+  Clipping lower(corners, margin);
+  lower.to_voxel(voxel);
+  Clipping upper = lower;
+  Aabb side[2] = {voxel, voxel};
+  side[0].hi[axis] = side[1].lo[axis] = position;
+  lower.below(axis, double(position));
+  upper.above(axis, double(position));
+  sides[0] = lower.within(side[0]);
+  sides[1] = upper.within(side[1]);
 }
 
 }  // namespace regraft::kdtree

@@ -11,4 +11,8 @@ namespace regraft::kdtree {
 /// is rounded outward, so what touches the voxel is never lost.
 Aabb clip_triangle(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& voxel);
 
+/// The same for both sides of a plane across `axis` that cuts the voxel.
+void clip_triangle_sides(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& voxel,
+                         int axis, float position, Aabb (&sides)[2]);
+
 }  // namespace regraft::kdtree

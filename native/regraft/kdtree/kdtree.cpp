@@ -4,9 +4,14 @@
 #include <thread>
 #include <vector>
 
+#include "regraft/kdtree/origin_space.h"
+
 namespace regraft::kdtree {
 
 namespace {
+
+/// A cell is forgotten as a whole when this part of the lines through it meets one region.
+constexpr double covers = 0.5;
 
 std::int64_t size_of(const Pending& pending) {
   return std::int64_t(sizeof(Pending) + pending.list.capacity() * sizeof(HierarchyEntry));
@@ -46,6 +51,7 @@ KdTree::~KdTree() {
 Node* KdTree::allocate_pair() const {
   Node* pair = static_cast<Node*>(pool_.allocate(2 * sizeof(Node)));
   std::uninitialized_default_construct_n(pair, 2);
+  made_.fetch_add(2, std::memory_order_relaxed);
   return pair;
 }
 
@@ -68,13 +74,13 @@ void KdTree::expand(Node& node) const {
 Pending* KdTree::keep(Pending&& pending) const {
   auto* kept = new Pending(std::move(pending));
   pending_bytes_.fetch_add(size_of(*kept), std::memory_order_relaxed);
-  pending_weight_.fetch_add(std::int64_t(kept->weight()), std::memory_order_relaxed);
+  pending_weight_.fetch_add(std::int64_t(kept->weight), std::memory_order_relaxed);
   return kept;
 }
 
 void KdTree::forget(const Pending* pending) const {
   pending_bytes_.fetch_sub(size_of(*pending), std::memory_order_relaxed);
-  pending_weight_.fetch_sub(std::int64_t(pending->weight()), std::memory_order_relaxed);
+  pending_weight_.fetch_sub(std::int64_t(pending->weight), std::memory_order_relaxed);
   delete pending;
 }
 
@@ -82,8 +88,8 @@ void KdTree::publish(Node& node, Built&& built) const {
   if (built.axis < 0) return publish_leaf(node, built.prims);
   Node* children = allocate_pair();
   for (int s = 0; s < 2; ++s) {
-    if (built.children[s].list.empty())
-      publish_leaf(children[s], {});
+    if (builder_.surely_leaf(built.children[s]))
+      publish_leaf(children[s], builder_.build(built.children[s]).prims);
     else
       children[s].pending = keep(std::move(built.children[s]));
   }
@@ -129,6 +135,46 @@ void KdTree::build_below(Node& node) const {
     stack.push_back(next.children + 1);
     stack.push_back(next.children);
   }
+}
+
+void KdTree::invalidate(std::span<const Aabb> regions) {
+  invalidate({root_, bounds(), 0}, regions);
+}
+
+void KdTree::invalidate(const Cell& cell, std::span<const Aabb> regions) {
+  std::vector<Aabb> met;
+  bool covered = false;
+  for (const Aabb& region : regions) {
+    const Aabb part = clipped(region, cell.voxel);
+    if (part.empty()) continue;
+    met.push_back(part);
+    covered = covered || hit_probability(part, cell.voxel) > covers;
+  }
+  if (met.empty()) return;
+  const std::uint32_t state = cell.node->state.load(std::memory_order_acquire);
+  if (covered || !Node::is_inner(state)) return renew(cell);
+  for (int s = 0; s < 2; ++s) {
+    Cell child{cell.node->children + s, cell.voxel, cell.depth + 1};
+    (s == 0 ? child.voxel.hi : child.voxel.lo)[int(state)] = cell.node->split;
+    invalidate(child, met);
+  }
+}
+
+/// Makes the node unbuilt again.
+void KdTree::renew(const Cell& cell) {
+  double weight = 0.0;
+  walk(*cell.node, [&](Node& node, std::uint32_t state) {
+    if (Node::is_built(state)) ++forgotten_;
+    if (Node::kind(state) == Node::leaf) weight += Node::prim_count(state);
+    if (state != Node::unbuilt) return;
+    weight += node.pending->weight;
+    forget(node.pending);
+  });
+  Pending pending = builder_.seed(cell.voxel, cell.depth, Pending::by_weight);
+  // Of entries as coarse as these nearly all is elsewhere.
+  pending.weight = weight;
+  cell.node->pending = keep(std::move(pending));
+  cell.node->state.store(Node::unbuilt, std::memory_order_release);
 }
 
 std::size_t KdTree::bytes() const {

@@ -15,7 +15,7 @@ namespace regraft::kdtree {
 class KdTree {
  public:
   /// Lazy: only the root exists. Otherwise everything is built, on all threads.
-  /// `view` must outlive the tree and stay as it is.
+  /// `view` must outlive the tree and stay as it is, but for what `invalidate` is told of.
   KdTree(const HierarchyView& view, const Config& config, Executor& executor);
   ~KdTree();
   KdTree(const KdTree&) = delete;
@@ -34,6 +34,14 @@ class KdTree {
   /// Builds all that is not built yet.
   void complete(Executor& executor) const;
 
+  /// Forgets what was built of cells that meet one of `regions`: the only ones in which the view
+  /// is not what it was. Planes outside stay. Not while rays are traced.
+  void invalidate(std::span<const Aabb> regions);
+  /// Nodes built and since forgotten: their memory is only given back with the tree.
+  std::uint64_t forgotten() const { return forgotten_; }
+  /// Nodes there ever were, unbuilt ones too.
+  std::uint64_t made() const { return made_.load(std::memory_order_relaxed); }
+
   /// Nodes, references and what waits to be built.
   std::size_t bytes() const;
   /// Primitives that wait in unbuilt nodes; those in several count as often.
@@ -47,12 +55,22 @@ class KdTree {
   void publish_leaf(Node& node, std::span<const PrimRef> prims) const;
   void build_below(Node& node) const;
 
+  struct Cell {
+    Node* node;
+    Aabb voxel;
+    std::uint32_t depth;
+  };
+  void invalidate(const Cell& cell, std::span<const Aabb> regions);
+  void renew(const Cell& cell);
+
   const HierarchyView& view_;
   SeededBuilder builder_;
   /// Grows while rays are traced.
   mutable NodePool pool_;
   mutable std::atomic<std::int64_t> pending_bytes_{0};
   mutable std::atomic<std::int64_t> pending_weight_{0};
+  mutable std::atomic<std::uint64_t> made_{0};
+  std::uint64_t forgotten_ = 0;
   Node* root_;
 };
 

@@ -18,14 +18,15 @@ bool cut(Aabb& box, const Aabb& voxel) {
 
 Refinement::Refinement(const HierarchyView& view, Refine order, const Pending& node)
     : view_(view), order_(order), voxel_(node.voxel), list_(node.list) {
-  open_.resize(list_.size(), false);
+  open_.resize(list_.size(), 0);
   size_ = list_.size();
   for (std::size_t i = 0; i < list_.size(); ++i) note(i);
 }
 
 double Refinement::weight() const {
   double sum = 0.0;
-  for_each([&](const HierarchyEntry& e) { sum += e.weight; });
+  for (std::size_t i = 0; i < list_.size(); ++i)
+    if (open_[i] == 0) sum += list_[i].weight;
   return sum;
 }
 
@@ -43,18 +44,27 @@ bool Refinement::open_straddlers(const Split& split, std::size_t count) {
     across.resize(count);
   }
   for (const std::uint32_t i : across) open(i);
-  std::erase_if(inner_, [&](std::uint32_t i) { return open_[i]; });
+  std::erase_if(inner_, [&](std::uint32_t i) { return open_[i] != 0; });
   next_ = 0;
   if (order_ == Refine::area) std::make_heap(inner_.begin(), inner_.end(), before());
   return !across.empty();
 }
 
-std::vector<HierarchyEntry> Refinement::take() {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < list_.size(); ++i)
-    if (!open_[i]) list_[kept++] = list_[i];
+std::span<const HierarchyEntry> Refinement::compacted() {
+  if (size_ == list_.size()) return list_;
+  std::vector<std::uint32_t> place(list_.size());
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    place[i] = kept;
+    if (open_[i] == 0) list_[kept++] = list_[i];
+  }
   list_.resize(kept);
-  return std::move(list_);
+  open_.assign(kept, 0);
+  // Their order is as it was: so is that of the queue or heap.
+  inner_.erase(inner_.begin(), inner_.begin() + std::ptrdiff_t(next_));
+  next_ = 0;
+  for (std::uint32_t& i : inner_) i = place[i];
+  return list_;
 }
 
 void Refinement::note(std::size_t i) {
@@ -74,12 +84,15 @@ std::uint32_t Refinement::pop() {
 void Refinement::open(std::uint32_t i) {
   children_.clear();
   view_.open(list_[i], children_);
-  open_[i] = true;
+  open_[i] = 1;
   --size_;
   for (HierarchyEntry& child : children_) {
+    const Aabb whole = child.box;
     if (!cut(child.box, voxel_)) continue;
+    if (child.primitive() && child.box != whole) child.box = view_.clip(child, voxel_);
+    if (child.box.empty()) continue;
     list_.push_back(child);
-    open_.push_back(false);
+    open_.push_back(0);
     ++size_;
     note(list_.size() - 1);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "regraft/kdtree/seeded_builder.h"
@@ -12,8 +13,7 @@ namespace regraft::kdtree {
 /// beyond and so belongs to the neighbour.
 bool cut(Aabb& box, const Aabb& voxel);
 
-/// A node's list while it is refined. Entries that have been opened stay behind as holes until
-/// `take`.
+/// A node's list while it is refined. Triangles are clipped to the node's voxel when they come in.
 class Refinement {
  public:
   Refinement(const HierarchyView& view, Refine order, const Pending& node);
@@ -30,14 +30,8 @@ class Refinement {
   /// @return false if there are none.
   bool open_straddlers(const Split& split, std::size_t count);
 
-  /// The refined list; leaves nothing behind.
-  std::vector<HierarchyEntry> take();
-
-  template <typename F>
-  void for_each(const F& f) const {
-    for (std::size_t i = 0; i < list_.size(); ++i)
-      if (!open_[i]) f(list_[i]);
-  }
+  /// The list as it is now. Valid until the next entry is opened.
+  std::span<const HierarchyEntry> compacted();
 
  private:
   void note(std::size_t i);
@@ -57,7 +51,7 @@ class Refinement {
   const Aabb voxel_;
   std::vector<HierarchyEntry> list_;
   std::vector<HierarchyEntry> children_;
-  std::vector<bool> open_;
+  std::vector<std::uint8_t> open_;    ///< holes, until the list is compacted
   std::vector<std::uint32_t> inner_;  ///< not yet opened; a queue or a heap
   std::size_t next_ = 0;
   std::size_t size_ = 0;

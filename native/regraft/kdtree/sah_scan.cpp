@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "regraft/kdtree/sah_count.h"
+
 namespace regraft::kdtree {
 namespace {
 
@@ -114,13 +116,16 @@ bool flat(const Aabb& voxel, int axis) {
 }  // namespace
 
 Split SahScan::find(std::span<const SplitEntry> entries, const ChildProbability& probability) {
-  if (entries.size() <= config_.exact_below || !EventBins::usable(probability.voxel()))
+  const bool few = entries.size() <= config_.exact_below && countable(entries);
+  if (!few && (entries.size() <= config_.exact_below || !EventBins::usable(probability.voxel())))
     return sweep_.find(entries, probability);
   const EntrySummary summary = summarise(entries);
   const Split cut = empty_cut(summary, probability, cost_);
   if (cut.found()) return cut;
   const Task task{entries, {cost_, probability}, cost_.intersect * summary.weight};
-  Split best = std::isfinite(config_.epsilon) ? refined(task) : two_passes(task);
+  Split best = few                              ? count_split(entries, probability, cost_)
+               : std::isfinite(config_.epsilon) ? refined(task)
+                                                : two_passes(task);
   if (!(best.cost < task.leaf)) best.axis = -1;
   return best;
 }

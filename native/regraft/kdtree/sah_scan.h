@@ -16,7 +16,7 @@ struct ScanConfig {
   /// Of two passes: planes per axis and pass, one less than a power of two, at most 63.
   int samples = 15;
   /// So few entries are sorted: exact, and hardly dearer.
-  std::size_t exact_below = 16;
+  std::size_t exact_below = 32;
 };
 
 /// A split whose error is bounded, in O(n): Hunt, Mark, Stoll, Fast kd-tree construction with an
@@ -29,6 +29,11 @@ class SahScan {
  public:
   explicit SahScan(const SplitCost& cost = {}, const ScanConfig& config = {})
       : cost_(cost), config_(config), sweep_(cost) {}
+  void set(const SplitCost& cost, const ScanConfig& config) {
+    cost_ = cost;
+    config_ = config;
+    sweep_.set(cost);
+  }
   Split find(std::span<const SplitEntry> entries, const ChildProbability& probability);
 
  private:

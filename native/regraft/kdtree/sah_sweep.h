@@ -13,6 +13,7 @@ namespace regraft::kdtree {
 class SahSweep {
  public:
   explicit SahSweep(const SplitCost& cost = {}) : cost_(cost) {}
+  void set(const SplitCost& cost) { cost_ = cost; }
   Split find(std::span<const SplitEntry> entries, const ChildProbability& probability);
 
  private:

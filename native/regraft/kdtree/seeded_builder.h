@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "regraft/core/hierarchy_view.h"
 #include "regraft/kdtree/node.h"
+#include "regraft/kdtree/origin_choice.h"
 #include "regraft/kdtree/sah_scan.h"
 
 namespace regraft::kdtree {
@@ -31,6 +33,8 @@ struct Config {
   /// Kernels test four triangles of a leaf at once: one costs less than going down a node.
   SplitCost cost{1.0, 0.4, 0.3};
   ScanConfig precision;
+  /// By which chances to split, and the box of ray origins they suppose.
+  OriginChoice origins;
   /// References in all leaves for each primitive of the scene; beyond that nodes are not split.
   double references_per_primitive = 16.0;
 };
@@ -44,11 +48,12 @@ struct Pending {
   /// Boxes are cut to the voxel. No entry contains another, together they hold all of the scene
   /// that meets the voxel.
   std::vector<HierarchyEntry> list;
-  /// References that the leaves below may use up.
+  /// References that the leaves below may use up; `by_weight`: as many as the list allows.
   double budget = 0.0;
+  double weight = 0.0;  ///< of the list
   std::uint32_t depth = 0;
 
-  double weight() const;
+  static constexpr double by_weight = -1.0;
 };
 
 /// What became of a node: children, or a leaf's primitives.
@@ -65,7 +70,8 @@ struct Built {
 /// Deviations: candidates are both ends of every entry, not only the lower ones, since upper ends
 /// cut off empty space; a leaf is made only when no entry is left to open or the digging budget 5(a
 /// + F) is spent, since coarse entries make every split look bad; all three axes are always looked
-/// at, because the paper's own scene became slower without.
+/// at, because the paper's own scene became slower without; triangles are clipped to the voxel as
+/// soon as they are in a list, not only in leaves.
 class SeededBuilder {
  public:
   SeededBuilder(const HierarchyView& view, const Config& config);
@@ -79,10 +85,21 @@ class SeededBuilder {
   double weight() const { return weight_; }
   std::uint32_t max_depth() const { return max_depth_; }
 
+  /// Whether the node is a leaf whatever the entries are like: not even an empty half would pay.
+  bool surely_leaf(const Pending& node) const;
   /// What the node becomes: a function of the node and the scene alone. O(a log a) but for leaves.
   Built build(const Pending& node) const;
 
  private:
+  /// References to a list of this weight.
+  double allowed(double weight) const { return config_.references_per_primitive * weight + 64.0; }
+  Built make_inner(std::span<const HierarchyEntry> list, const Pending& node,
+                   const Split& split) const;
+  bool may_split(const Pending& node, double weight) const {
+    return node.depth < max_depth_ && weight * config_.cost.intersect > config_.cost.traverse &&
+           (node.budget == Pending::by_weight || weight <= node.budget);
+  }
+
   const HierarchyView& view_;
   Config config_;
   Aabb bounds_;

@@ -291,8 +291,7 @@ class PacketTracer {
                  Float<R>::load(local_.far_origin[k] + base),
                  Float<R>::load(local_.inverse[k] + base), near, far);
     const Float<R> local_t = min(far, max(near, test.t));
-    const Float<R> t =
-        min(Float<R>::load(local_.exit + base), max(entry, local_t));
+    const Float<R> t = min(Float<R>::load(local_.exit + base), max(entry, local_t));
     lanes &= (near <= far) & (start <= far) & (start <= t) & (t <= Float<R>::load(best_.t + base));
     if (lanes == 0 || lacks_area(instance.mesh, c.prim)) return;
     if (AnyHit) {

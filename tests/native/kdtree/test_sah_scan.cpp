@@ -6,6 +6,7 @@
 #include <random>
 
 #include "kdtree/split_cases.h"
+#include "regraft/kdtree/sah_count.h"
 
 namespace regraft::test {
 namespace {
@@ -120,6 +121,37 @@ TEST(SahScan, OfFewEntriesIsExactWhateverIsAsked) {
         EXPECT_EQ(split.cost, exact.cost) << kind << " " << count;
       }
     }
+}
+
+TEST(SahScan, CountingFindsWhatSortingFinds) {
+  int counted = 0;
+  for (std::uint32_t seed = 0; seed < 400; ++seed) {
+    const SplitCase c = split_case(int(seed % split_case_kinds), 1 + seed % 64, seed);
+    if (!kdtree::countable(c.entries)) continue;
+    ++counted;
+    const ChildProbability probability = any_probability(c, 3 * (seed % 7));
+    const Split sorted = SahSweep(never_cut_empty).find(c.entries, probability);
+    const Split found = kdtree::count_split(c.entries, probability, never_cut_empty);
+    EXPECT_EQ(found.cost, sorted.cost) << seed;
+    if (!sorted.found()) continue;
+    EXPECT_EQ(found.axis, sorted.axis) << seed;
+    EXPECT_EQ(found.position, sorted.position) << seed;
+    EXPECT_EQ(found.flat_left, sorted.flat_left) << seed;
+  }
+  EXPECT_GT(counted, 100);
+}
+
+TEST(SahScan, OnlyWholeWeightsThatAFloatCanSumAreCounted) {
+  std::vector<SplitEntry> entries(3, {{Vec3(0), Vec3(1)}});
+  EXPECT_TRUE(kdtree::countable(entries));
+  entries[0].weight = 0.5;
+  EXPECT_FALSE(kdtree::countable(entries));
+  entries[0].weight = 0x1p53;
+  EXPECT_FALSE(kdtree::countable(entries));
+  entries[0].weight = 0x1p24 - 2.0;
+  EXPECT_TRUE(kdtree::countable(entries));
+  entries[1].weight = 2.0;
+  EXPECT_FALSE(kdtree::countable(entries));
 }
 
 TEST(SahScan, FindsThePlaneWhereTwoHalvesOfAGridAbut) {

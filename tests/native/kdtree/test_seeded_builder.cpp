@@ -59,7 +59,7 @@ TEST(SeededBuilder, AListThatIsLongAlreadyIsNotRefined) {
   Refinement list(row, Refine::fifo, everything(row));
   list.open_until(100);
   kdtree::Pending node = everything(row);
-  node.list = list.take();
+  node.list.assign(list.compacted().begin(), list.compacted().end());
   const std::size_t size = node.list.size();
   Refinement again(row, Refine::fifo, node);
   again.open_until(50);
@@ -72,7 +72,7 @@ TEST(SeededBuilder, WhatLiesOutsideTheVoxelIsDroppedAndBoxesAreCutToIt) {
   const Aabb voxel{{100.5f, 0, 0}, {103.0f, 1, 1}};
   Refinement list(row, Refine::fifo, builder.seed(voxel, 0, 1e9));
   list.open_until(std::size_t(-1));
-  const std::vector<HierarchyEntry> entries = list.take();
+  const std::span<const HierarchyEntry> entries = list.compacted();
   ASSERT_EQ(entries.size(), 3u);
   for (const HierarchyEntry& e : entries) {
     EXPECT_TRUE(e.primitive());
@@ -98,7 +98,7 @@ TEST(SeededBuilder, ANodeIsSplitAndItsWeightsAreShared) {
   const kdtree::SeededBuilder builder(row, {});
   const kdtree::Built built = builder.build(builder.root());
   ASSERT_EQ(built.axis, 0);
-  EXPECT_EQ(built.children[0].weight() + built.children[1].weight(), 4096.0);
+  EXPECT_EQ(built.children[0].weight + built.children[1].weight, 4096.0);
   EXPECT_EQ(built.children[0].voxel.hi.x, built.position);
   EXPECT_NEAR(built.children[0].budget + built.children[1].budget, builder.root().budget, 1e-6);
 }
