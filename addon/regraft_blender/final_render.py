@@ -74,7 +74,7 @@ class FinalFrame:
         kept = session.session_for(self.depsgraph, self.options)
         delta, extract_ms = kept.synchronise(self.depsgraph, self.options)
         self._say("updating the trees")
-        kept.update(self.options, max(1, self.scene.frame_end - self.scene.frame_current + 1))
+        kept.update(self.options, self._frames_left(), self.camera)
         self._say("tracing")
         frame = self._trace(kept)
         self._hand_over(frame)
@@ -83,6 +83,12 @@ class FinalFrame:
         statistics.evaluate_ms, statistics.extract_ms = evaluate_ms, extract_ms
         self._add_words(statistics, delta)
         session.publish(statistics)
+
+    def _frames_left(self) -> int:
+        """Frames to come, this one included: one, unless an animation is rendered."""
+        if not self.engine.is_animation:
+            return 1
+        return max(1, self.scene.frame_end - self.scene.frame_current + 1)
 
     def _say(self, text: str) -> None:
         # Without a window every one of these would be a line in the terminal.

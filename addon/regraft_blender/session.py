@@ -105,13 +105,14 @@ class Session:
             raise
         return delta, (time.perf_counter() - began) * 1e3
 
-    def update(self, options: Options, frames_left: int | None = None) -> Any:
+    def update(self, options: Options, frames_left: int | None = None, camera: Any = None) -> Any:
         """Bring the trees up to date; UpdateStatistics."""
         return self.scene.update(
             policy=options.policy,
             structure=options.structure,
             layout=options.layout,
             frames_left=frames_left,
+            camera=camera,
         )
 
 

@@ -8,6 +8,7 @@
 
 #include "args.h"
 #include "bindings.h"
+#include "read_dataclass.h"
 #include "statistics.h"
 
 namespace regraft::bindings {
@@ -67,8 +68,10 @@ accel::UpdateOptions update_options(const std::string& policy, const std::string
 }
 
 UpdateStatistics update(SceneHandle& self, const std::string& policy, const std::string& structure,
-                        const std::string& layout, const std::optional<IntArg>& frames_left) {
-  const accel::UpdateOptions options = update_options(policy, structure, layout, frames_left);
+                        const std::string& layout, const std::optional<IntArg>& frames_left,
+                        const std::optional<CameraArg>& camera) {
+  accel::UpdateOptions options = update_options(policy, structure, layout, frames_left);
+  if (camera) options.camera = read_camera(*camera);
   const Updating updating(self);
   accel::UpdateStatistics statistics;
   {
@@ -109,11 +112,13 @@ void bind_update(SceneClass& scene) {
   scene
       .def("update", &update, py::arg("policy") = "auto", py::arg("structure") = "auto",
            py::arg("layout") = "two-level", py::kw_only(), py::arg("frames_left") = py::none(),
+           py::arg("camera") = py::none(),
            R"(Brings the trees up to date with the scene; free where nothing changed.
 
 policy: auto, refit, rebuild, lm, rtdeform, selective or selective+rotate;
 structure: auto, bvh or kdtree; layout: two-level or flat.
-frames_left: how many frames the shot still has, if that is known. Releases the GIL.
+frames_left: how many frames the shot still has, if that is known. camera: from where the
+scene is going to be looked at, if that is known. Both help `auto`. Releases the GIL.
 
 Raises ValueError for an unknown name, NotImplementedError for one that a later version
 brings.)")

@@ -167,6 +167,40 @@ def test_layouts_are_switched_without_another_change(scene: regraft.Scene) -> No
     assert scene.update(layout="two-level", frames_left=10).layout == "two-level"
 
 
+def test_nearest_points_and_quality_are_there_with_a_kdtree(scene: regraft.Scene) -> None:
+    points = np.random.default_rng(6).normal(size=(50, 3))
+    scene.update(structure="bvh")
+    wanted = scene.closest_point(points)
+    scene.update(structure="kdtree")
+    found = scene.closest_point(points)
+    np.testing.assert_array_equal(found.distance, wanted.distance)
+    np.testing.assert_array_equal(found.prim_id, wanted.prim_id)
+    quality = scene.quality(fresh=True)
+    assert quality["sah_cost"] > 0.0
+    assert quality["depth"] > 0
+    assert (quality["epo"], quality["cost_ratio"]) == (0.0, 1.0)
+
+
+def test_auto_builds_a_kdtree_where_little_of_a_large_scene_is_in_view() -> None:
+    side = 708
+    x, y = np.meshgrid(np.arange(side + 1), np.arange(side + 1))
+    vertices = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3).astype(np.float32)
+    corner = (np.arange(side)[:, None] * (side + 1) + np.arange(side)).reshape(-1, 1)
+    right, above = corner + 1, corner + side + 1
+    triangles = np.concatenate(
+        [np.hstack([corner, right, above]), np.hstack([right, above + 1, above])]
+    ).astype(np.uint32)
+    for distance, structure in ((10.0, "kdtree"), (2000.0, "bvh")):
+        large = regraft.Scene(1)
+        large.add_instance(large.add_mesh(vertices, triangles))
+        matrix = np.eye(4)
+        matrix[:3, 3] = side / 2, side / 2, distance
+        camera = regraft.Camera("perspective", matrix)
+        statistics = large.update(frames_left=1, camera=camera)
+        assert statistics.structure == structure
+        assert any("triangles in view" in text for text in statistics.left_out)
+
+
 def test_a_kdtree_is_built_where_rays_go_and_hits_the_same(scene: regraft.Scene) -> None:
     origins, directions = rays(np.random.default_rng(5), 200)
     wanted = scene.closest_hit(origins, directions)

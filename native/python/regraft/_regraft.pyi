@@ -276,12 +276,14 @@ class Scene:
         layout: str = "two-level",
         *,
         frames_left: SupportsIndex | None = None,
+        camera: Camera | None = None,
     ) -> UpdateStatistics:
         """Brings the trees up to date with the scene; free where nothing changed.
 
         policy: auto, refit, rebuild, lm, rtdeform, selective or selective+rotate;
         structure: auto, bvh or kdtree; layout: two-level or flat.
-        frames_left: how many frames the shot still has, if that is known. Releases the GIL.
+        frames_left: how many frames the shot still has, if that is known. camera: from where the
+        scene is going to be looked at, if that is known. Both help `auto`. Releases the GIL.
 
         Raises ValueError for an unknown name, NotImplementedError for one that a later version
         brings.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "regraft/accel/accelerator_state.h"
+#include "regraft/accel/structure_choice.h"
 #include "regraft/kdtree/statistics.h"
 
 namespace regraft::accel {
@@ -208,14 +209,15 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
                                      const UpdateOptions& options, int width, Executor& executor) {
   const auto start = std::chrono::steady_clock::now();
   State& state = *state_;
-  if (changes.empty() && options.layout == state.last_options.layout &&
-      options.structure == state.last_options.structure && width == state.last_width)
-    return state.unchanged(options);
+  const StructureChoice choice = choose_structure(scene, options, state.structure);
+  const bool kdtree = choice.structure == Structure::kdtree;
+  const bool other_trees = width != state.last_width ||
+                           options.layout != state.last_options.layout ||
+                           choice.structure != state.structure;
+  if (changes.empty() && !other_trees) return state.unchanged(options);
   state.note(changes, scene.meshes().size());
-  const bool kdtree = options.structure == Structure::kdtree;
-  if (width != state.last_width || options.layout != state.last_options.layout ||
-      kdtree != (state.last_options.structure == Structure::kdtree))
-    state.renew_trees();
+  if (other_trees) state.renew_trees();
+  state.structure = choice.structure;
   const Tending how = state.tending(options, width);
   const std::vector<std::uint8_t> seen = state.seen_meshes(scene);
   std::vector<std::uint32_t> todo;
@@ -249,14 +251,16 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   state.view.instances = state.instances.views().data();
   state.view.instance_count = std::uint32_t(state.instances.views().size());
   for (int k = 0; k < 3; ++k) state.view.scene_origin[k] = state.instances.origin()[k];
+  std::uint64_t forgotten = 0;
   if (kdtree)
-    state.kdtree.update(scene, state.instances, changed, executor);
+    forgotten = state.kdtree.update(scene, state.instances,
+                                    {placed, changed, options.policy == Policy::rebuild}, executor);
   else
     state.kdtree.clear();
   state.view.kdtree = state.kdtree.tree();
 
   s.policy = name(options.policy);
-  s.structure = name(options.structure);
+  s.structure = name(choice.structure);
   s.layout = name(options.layout);
   s.moved_instances = changes.moved_instances.size();
   tell(work, s);
@@ -269,7 +273,11 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   if (kdtree) s.cost_ratio = 1.0;
   count_kdtree(s);
   state.list_left_out(scene, changes, todo.size(), hidden, s);
-  if (options.policy == Policy::automatic) s.left_out.push_back(reason(work));
+  if (options.policy == Policy::automatic && !kdtree) s.left_out.push_back(reason(work));
+  if (!choice.reason.empty()) s.left_out.push_back(choice.reason);
+  if (forgotten != 0)
+    s.left_out.push_back("only cells that met what moved were forgotten: " +
+                         std::to_string(forgotten) + " nodes of the k-d tree");
   s.update_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   state.last_options = options;

@@ -32,6 +32,7 @@ struct Accelerator::State {
   /// What the last update was asked for and said, for an update with nothing to do.
   UpdateOptions last_options;
   int last_width = 0;
+  Structure structure = Structure::automatic;  ///< traced now; automatic: nothing yet
   /// Rays since the last update and what they cost, and rays of the last frame that had any; at
   /// first a guess.
   std::atomic<std::uint64_t> rays_traced{0};

@@ -4,6 +4,7 @@
 
 #include "regraft/accel/triangle_bounds.h"
 #include "regraft/bvh/binned_sah_builder.h"
+#include "regraft/bvh/refit.h"
 #include "regraft/core/rounding.h"
 #include "regraft/kdtree/clip.h"
 
@@ -35,25 +36,48 @@ Aabb world_box(const trace::InstanceView& view) {
 SceneHierarchy::SceneHierarchy(const Scene& scene, const InstanceSet& instances,
                                std::vector<std::unique_ptr<MeshSeed>>& seeds, Executor& executor)
     : instances_(instances), executor_(executor) {
-  add_places(scene, seeds);
+  for (std::size_t i = 0; i < instances.views().size(); ++i)
+    places_.push_back(place(scene, seeds, i));
   build_groups(scene);
 }
 
-void SceneHierarchy::add_places(const Scene& scene, std::vector<std::unique_ptr<MeshSeed>>& seeds) {
-  const auto views = instances_.views();
-  places_.reserve(views.size());
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const std::uint32_t id = scene.instances()[views[i].instance_id].mesh;
-    const Mesh& mesh = instances_.mesh(scene, i);
-    const bool baked = &mesh != &scene.meshes()[id];
-    std::unique_ptr<MeshSeed>& seed = baked ? baked_seeds_.emplace_back() : seeds[id];
-    if (!seed) seed = std::make_unique<MeshSeed>();
-    Place place{instances_.frame(i), Vec3d(0.0), &mesh, seed.get(),
-                views[i].identity && instances_.origin() == Vec3d(0.0)};
-    if (!place.exact)
-      place.margin = placement_margin(place.frame, world_box(views[i]), views[i].mesh.magnitude);
-    places_.push_back(place);
+SceneHierarchy::Place SceneHierarchy::place(const Scene& scene,
+                                            std::vector<std::unique_ptr<MeshSeed>>& seeds,
+                                            std::size_t i) {
+  const trace::InstanceView& view = instances_.views()[i];
+  const std::uint32_t id = scene.instances()[view.instance_id].mesh;
+  const Mesh& mesh = instances_.mesh(scene, i);
+  const bool baked = &mesh != &scene.meshes()[id];
+  if (baked) baked_seeds_[i].reset();
+  std::unique_ptr<MeshSeed>& seed = baked ? baked_seeds_[i] : seeds[id];
+  if (!seed) seed = std::make_unique<MeshSeed>();
+  const bool exact = view.identity && instances_.origin() == Vec3d(0.0);
+  const Aabb box = world_box(view);
+  Place place{instances_.frame(i), Vec3d(0.0), &mesh, seed.get(), box, exact};
+  if (!exact) place.margin = placement_margin(place.frame, box, view.mesh.magnitude);
+  return place;
+}
+
+std::vector<Aabb> SceneHierarchy::update(const Scene& scene,
+                                         std::vector<std::unique_ptr<MeshSeed>>& seeds,
+                                         std::span<const std::size_t> moved) {
+  std::vector<Aabb> regions;
+  for (const std::size_t i : moved) {
+    regions.push_back(places_[i].box);
+    places_[i] = place(scene, seeds, i);
+    regions.push_back(places_[i].box);
   }
+  // Meshes that did not change may lie elsewhere in memory.
+  for (std::size_t i = 0; i < places_.size(); ++i) places_[i].mesh = &instances_.mesh(scene, i);
+  for (std::size_t g = groups_.size(); g-- > 0;) {
+    // The outermost is the last, but what it holds comes first.
+    GroupTree& tree = groups_[(g + groups_.size() - 1) % groups_.size()];
+    for (HierarchyEntry& member : tree.members)
+      member =
+          member.kind == group_node ? group_entry(member.object, 0) : mesh_entry(member.object, 0);
+    if (!tree.members.empty()) tree.refit(executor_);
+  }
+  return regions;
 }
 
 void SceneHierarchy::build_groups(const Scene& scene) {
@@ -84,6 +108,16 @@ void SceneHierarchy::GroupTree::build(Executor& executor) {
     boxes.push_back(member.box);
   }
   bvh = bvh::BinnedSahBuilder::build(boxes, ids, {}, executor);
+  weigh();
+}
+
+void SceneHierarchy::GroupTree::refit(Executor& executor) {
+  bvh::refit(
+      bvh, [&](std::uint32_t i) { return bvh::Box4(members[i].box); }, executor);
+  weigh();
+}
+
+void SceneHierarchy::GroupTree::weigh() {
   weights.assign(bvh.nodes.size(), 0.0);
   // Children come after their parents.
   for (std::size_t n = bvh.nodes.size(); n-- > 0;) {
@@ -197,9 +231,17 @@ Aabb SceneHierarchy::clip(const HierarchyEntry& entry, const Aabb& voxel) const 
   return kdtree::clip_triangle(corner, place.margin, voxel);
 }
 
+void SceneHierarchy::clip_sides(const HierarchyEntry& entry, const Aabb& voxel, int axis,
+                                float position, Aabb (&sides)[2]) const {
+  const Place& place = places_[entry.object];
+  Vec3d corner[3];
+  corners(place, entry.node, corner);
+  kdtree::clip_triangle_sides(corner, place.margin, voxel, axis, position, sides);
+}
+
 std::size_t SceneHierarchy::bytes() const {
   std::size_t sum = places_.capacity() * sizeof(Place);
-  for (const auto& seed : baked_seeds_) sum += seed->bytes();
+  for (const auto& [instance, seed] : baked_seeds_) sum += seed->bytes();
   for (const GroupTree& tree : groups_)
     sum += tree.members.capacity() * sizeof(HierarchyEntry) + tree.bvh.bytes() +
            tree.weights.capacity() * sizeof(double);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "regraft/accel/instance_set.h"
@@ -24,9 +26,17 @@ class SceneHierarchy final : public HierarchyView {
   SceneHierarchy(const Scene& scene, const InstanceSet& instances,
                  std::vector<std::unique_ptr<MeshSeed>>& seeds, Executor& executor);
 
+  /// Follows the motion of instances `moved`, of the same set as before; seeds of meshes that
+  /// changed are gone.
+  /// @return where the hierarchy is no longer what it was: the old and the new box of each.
+  std::vector<Aabb> update(const Scene& scene, std::vector<std::unique_ptr<MeshSeed>>& seeds,
+                           std::span<const std::size_t> moved);
+
   void top(std::vector<HierarchyEntry>& out) const override;
   void open(const HierarchyEntry& entry, std::vector<HierarchyEntry>& out) const override;
   Aabb clip(const HierarchyEntry& primitive, const Aabb& voxel) const override;
+  void clip_sides(const HierarchyEntry& primitive, const Aabb& voxel, int axis, float position,
+                  Aabb (&sides)[2]) const override;
   std::uint32_t fan_out() const override { return MeshSeed::longest_run; }
 
   std::size_t bytes() const;
@@ -41,6 +51,8 @@ class SceneHierarchy final : public HierarchyView {
     std::vector<double> weights;  ///< of every node
 
     void build(Executor& executor);
+    void refit(Executor& executor);
+    void weigh();
   };
   /// How an instance's triangles get to the world.
   struct Place {
@@ -48,10 +60,11 @@ class SceneHierarchy final : public HierarchyView {
     Vec3d margin;  ///< what rounding may take for part of a triangle; see `transform_bounds`
     const Mesh* mesh;
     MeshSeed* seed;
+    Aabb box;    ///< in the world
     bool exact;  ///< coordinates are the mesh's own
   };
 
-  void add_places(const Scene& scene, std::vector<std::unique_ptr<MeshSeed>>& seeds);
+  Place place(const Scene& scene, std::vector<std::unique_ptr<MeshSeed>>& seeds, std::size_t i);
   void build_groups(const Scene& scene);
   void open_group(std::uint32_t group, std::uint32_t node, std::vector<HierarchyEntry>& out) const;
   HierarchyEntry group_entry(std::uint32_t group, std::uint32_t node) const;
@@ -63,8 +76,8 @@ class SceneHierarchy final : public HierarchyView {
 
   const InstanceSet& instances_;
   Executor& executor_;
-  std::vector<Place> places_;  ///< by instance
-  std::vector<std::unique_ptr<MeshSeed>> baked_seeds_;
+  std::vector<Place> places_;                                     ///< by instance
+  std::map<std::size_t, std::unique_ptr<MeshSeed>> baked_seeds_;  ///< by instance
   std::vector<GroupTree> groups_;  ///< by group id; the last holds what is in none
 };
 

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "regraft/bvh/restructuring_benefit.h"
+#include "regraft/scene/camera.h"
 
 namespace regraft::accel {
 
@@ -26,6 +28,8 @@ struct UpdateOptions {
   Layout layout = Layout::two_level;
   /// Frames of the shot still to come; 0: unknown.
   std::uint32_t frames_left = 0;
+  /// From where the scene is going to be looked at, if that is known.
+  std::optional<Camera> camera;
   /// What a machine takes for what, in box tests.
   bvh::RestructureConfig costs;
 };
