@@ -6,7 +6,7 @@ Each file is opened, its first frames are stepped through with every tree kept u
 random rays through the boxes of its objects (half of them from inside the scene, half from around
 it) must hit exactly what testing
 every triangle gives: distance, instance, triangle and weights, on 1 and on 2 threads, in both
-layouts. Exit code 1 names the first ray that does not.
+layouts and through the k-d tree. Exit code 1 names the first ray that does not.
 """
 
 from __future__ import annotations
@@ -25,6 +25,11 @@ import regraft_blender
 import regraft_blender.session as sessions
 
 Rays = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
+SETUPS = {
+    "k-d tree": {"structure": "kdtree"},
+    "two-level": {"layout": "two-level"},
+    "flat": {"layout": "flat"},
+}
 FIELDS = ("t", "instance_id", "prim_id", "u", "v")
 
 
@@ -58,15 +63,15 @@ def animated_sessions(path: Path, frames: int, policy: str) -> dict[str, Any]:
     scene = bpy.context.scene
     kept: dict[str, Any] = {}
     for threads in (1, 2):
-        for layout in ("two-level", "flat"):
-            kept[f"{threads} threads, {layout}"] = sessions.Session(threads)
+        for setup in SETUPS:
+            kept[f"{threads} threads, {setup}"] = sessions.Session(threads)
     first = scene.frame_start
     for frame in range(first, first + frames + 1):
         scene.frame_set(frame)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         for name, session in kept.items():
             session.synchronise(depsgraph, options(policy), everything=True)
-            session.scene.update(policy=policy, layout=name.split(", ")[1])
+            session.scene.update(policy=policy, **SETUPS[name.split(", ")[1]])
     return kept
 
 
