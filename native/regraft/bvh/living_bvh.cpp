@@ -52,7 +52,7 @@ std::uint32_t LivingBvh::depth(std::uint32_t n) const {
 void LivingBvh::measure(std::uint32_t n) {
   const Node& node = bvh.nodes[n];
   InnerMetrics& m = inner[node.first >> 1];
-  std::uint8_t& entered = seen[node.first >> 1];
+  const bool leaves_seen = seen[node.first >> 1] != 0;
   const double whole = area(n);
   m.node = n;
   m.cost = 1.0;
@@ -65,6 +65,7 @@ void LivingBvh::measure(std::uint32_t n) {
     const Node& child = bvh.nodes[node.first + side];
     const double part = half_area(child.bounds());
     double tests = 0.0;
+    bool is_seen = leaves_seen;
     if (child.leaf()) {
       tests = leaf_cost(child);
       m.prims += child.count;
@@ -76,12 +77,11 @@ void LivingBvh::measure(std::uint32_t n) {
       m.prims += below.prims;
       m.units += below.units;
       m.height = std::max(m.height, below.height + 1);
-      // Rays mark the slots of wide nodes; what was collapsed into one was passed on the way.
-      if (seen[child.first >> 1] != 0) entered |= std::uint8_t(1u << side);
+      is_seen = seen[child.first >> 1] != 0;
     }
     const double grown = part * (1.0 - rounding) - m.reference[side] * whole;
     own += grown * tests;
-    if ((entered >> side & 1) != 0)
+    if (is_seen)
       m.cost += tests * (whole > 0.0 ? std::fmin(1.0, part / whole)
                                      : hit_probability(child.bounds(), node.bounds()));
   }
@@ -119,7 +119,7 @@ void LivingBvh::measure_anew(std::uint32_t n) {
 
 void LivingBvh::start_measuring() {
   inner.assign(bvh.nodes.size() / 2, {});
-  seen.assign(inner.size(), 3);
+  seen.assign(inner.size(), 1);
   if (!bvh.empty()) measure_anew(0);
 }
 

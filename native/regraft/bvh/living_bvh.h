@@ -32,7 +32,8 @@ struct InnerMetrics {
 struct LivingBvh {
   Bvh bvh;
   std::vector<InnerMetrics> inner;
-  /// Which of a pair rays entered since the last update: bit 0 the left, bit 1 the right one.
+  /// Whether rays entered the node above a pair since the update before: the time stamps of the
+  /// paper, which need not be older than one frame. Leaves count as seen with the node above them.
   std::vector<std::uint8_t> seen;
   /// Expected tests of a ray that enters primitive i; empty: `model.leaf` each.
   std::vector<double> prim_costs;
@@ -73,7 +74,7 @@ struct LivingBvh {
   void start_measuring();
   void stop_measuring();
   /// Every node counts as entered by rays: at the first frame, or when none were traced.
-  void see_all() { seen.assign(seen.size(), 3); }
+  void see_all() { seen.assign(seen.size(), 1); }
 
   std::size_t bytes() const {
     return bvh.bytes() + inner.capacity() * sizeof(InnerMetrics) + seen.capacity() +

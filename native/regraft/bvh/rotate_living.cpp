@@ -27,7 +27,6 @@ std::vector<Rotation> rotate(LivingBvh& tree, Executor& executor) {
     for (const std::uint32_t n : {r.child, r.grandchild}) {
       const Node& node = tree.bvh.nodes[n];
       if (!node.leaf()) tree.inner[node.first >> 1].node = n;
-      tree.seen[n >> 1] = 3;
     }
   Marked marked;
   for (const Rotation& r : rotations)

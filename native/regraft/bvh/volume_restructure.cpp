@@ -8,13 +8,13 @@ constexpr double worn_share = 0.9;
 
 void collect_worn(const LivingBvh& tree, std::uint32_t n, std::vector<NodePair>& worn) {
   const Node& node = tree.bvh.nodes[n];
-  if (node.leaf()) return;
+  if (node.leaf() || tree.seen[node.first >> 1] == 0) return;
   if (tree.volume_ratio(n) < worn_share * double(tree.inner[node.first >> 1].volume_ratio)) {
     worn.push_back({node.first, node.first + 1, n});
     return;
   }
-  for (std::uint32_t side = 0; side < 2; ++side)
-    if ((tree.seen[node.first >> 1] >> side & 1) != 0) collect_worn(tree, node.first + side, worn);
+  collect_worn(tree, node.first, worn);
+  collect_worn(tree, node.first + 1, worn);
 }
 
 }  // namespace

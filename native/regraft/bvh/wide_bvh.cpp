@@ -86,6 +86,16 @@ void WideBvh::refit(const Bvh& bvh, std::span<const std::uint32_t> nodes, Execut
     take_boxes_of<4>(bvh, nodes, {nodes4_, ledger_}, executor);
 }
 
+void WideBvh::spread_marks(std::span<const std::uint8_t> marks, std::span<std::uint8_t> pairs,
+                           Executor& executor) const {
+  executor.parallel_for(pairs.size(), 32768, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t wide = ledger_.owner[i];
+      pairs[i] = wide < marks.size() ? marks[wide] : 0;
+    }
+  });
+}
+
 void WideBvh::update(const Bvh& bvh, const Reshaping& changes, Executor& executor) {
   const bool everything =
       std::find(changes.rebuilt.begin(), changes.rebuilt.end(), 0u) != changes.rebuilt.end();

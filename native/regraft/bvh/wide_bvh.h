@@ -91,6 +91,11 @@ class WideBvh {
   /// layout for any number of threads.
   void update(const Bvh& bvh, const Reshaping& changes, Executor& executor);
 
+  /// What rays marked, by wide node, as marks by pair of binary nodes: of pairs in the same wide
+  /// node, some of which were collapsed into it, either all are marked or none.
+  void spread_marks(std::span<const std::uint8_t> marks, std::span<std::uint8_t> pairs,
+                    Executor& executor) const;
+
   int width() const { return width_; }
   std::size_t node_count() const { return width_ == 8 ? nodes8_.size() : nodes4_.size(); }
   /// Nodes among them that hold nothing at present; their first child is `none`.

@@ -49,7 +49,7 @@ class PacketTracer {
     } else if (agree && view_.flat == nullptr && going_ == Going::together) {
       set_intervals<R>(top_);
       walk_packet(
-          static_cast<const WideNode<W>*>(view_.top_nodes), top_, alive_,
+          WideTree<W>(view_.top_nodes, view_.entered), top_, alive_,
           [&](const WideNode<W>& node, int slot, std::uint64_t mask) {
             top_leaf(node, slot, mask);
           },
@@ -141,13 +141,13 @@ class PacketTracer {
   }
 
   template <typename Leaf, typename SingleFrom>
-  REGRAFT_INLINE void walk_packet(const WideNode<W>* nodes, const SlabPacket& packet,
+  REGRAFT_INLINE void walk_packet(const WideTree<W>& tree, const SlabPacket& packet,
                                   std::uint64_t mask, const Leaf& leaf,
                                   const SingleFrom& single_from) {
     Entry stack[stack_size<W>];
-    int top = push(stack, 0, nodes[0], packet, mask);
-    while (top > 0) {
-      const Entry entry = stack[--top];
+    Entry* top = push(stack, tree, 0, packet, mask);
+    while (top > stack) {
+      const Entry entry = *--top;
       const std::uint64_t entered =
           enter_slot(packet, *entry.parent, entry.slot, entry.mask & alive_);
       if (entered == 0) continue;
@@ -162,23 +162,26 @@ class PacketTracer {
           single_from(child, std::countr_zero(todo));
         continue;
       }
-      top = push(stack, top, nodes[child], packet, entered);
+      top = push(top, tree, child, packet, entered);
     }
   }
 
-  int push(Entry* stack, int top, const WideNode<W>& node, const SlabPacket& packet,
-           std::uint64_t mask) {
+  /// Adds the slots of a node that the packet may enter, nearest on top; returns the new end.
+  Entry* push(Entry* top, const WideTree<W>& tree, std::uint32_t index, const SlabPacket& packet,
+              std::uint64_t mask) {
     ++counters_.nodes_visited;
+    const WideNode<W>& node = tree.nodes[index];
     Float<W> near;
     LaneBits lanes = test_slots_packet(node, packet, start_, best_.template limit<R>(mask), near);
     alignas(64) float distance[W];
     near.store(distance);
-    const int base = top;
+    Entry* const base = top;
+    if (lanes != 0) mark(tree.entered, index);
     for (; lanes != 0; lanes &= lanes - 1) {
       const int slot = __builtin_ctz(lanes);
-      int at = top++;
-      for (; at > base && stack[at - 1].near < distance[slot]; --at) stack[at] = stack[at - 1];
-      stack[at] = {&node, slot, distance[slot], mask};
+      Entry* at = top++;
+      for (; at > base && at[-1].near < distance[slot]; --at) *at = at[-1];
+      *at = {&node, slot, distance[slot], mask};
     }
     return top;
   }
@@ -230,7 +233,7 @@ class PacketTracer {
 
   void instance_packet(const InstanceView& instance, std::uint64_t mask) {
     walk_packet(
-        static_cast<const WideNode<W>*>(instance.mesh.nodes), local_, mask,
+        WideTree<W>(instance.mesh.nodes, instance.mesh.entered), local_, mask,
         [&](const WideNode<W>& node, int slot, std::uint64_t inside) {
           mesh_leaf(instance, node.child[slot], inside);
         },

@@ -13,6 +13,7 @@ struct MeshView {
   const float* vertices = nullptr;           ///< packed x, y, z; object space
   const std::uint32_t* triangles = nullptr;  ///< packed corner indices
   const void* nodes = nullptr;               ///< bvh::WideNode<width>[]; null: it has no tree
+  std::uint8_t* entered = nullptr;           ///< as `TraceView::entered`
   const std::uint32_t* prim_ids = nullptr;   ///< null: all triangles, in order
   std::uint32_t prim_count = 0;
   float magnitude = 0.0f;  ///< largest |coordinate| of the root's box
@@ -40,14 +41,17 @@ struct FlatPrim {
   std::uint32_t prim_id;
 };
 
-/// Everything a query reads; constant while rays are traced.
+/// Everything a query reads; constant while rays are traced, but for what they entered.
 ///
 /// A hit is defined by (ray, instance, triangle) alone: the ray is taken to object space in
 /// double, rounded to float once, and tested there. Trees only leave out what cannot be hit, so
 /// every layout, policy and instruction set gives the same bits.
 struct TraceView {
-  int width = 8;                             ///< slots of every wide node
-  const void* top_nodes = nullptr;           ///< null: empty scene
+  int width = 8;                    ///< slots of every wide node
+  const void* top_nodes = nullptr;  ///< null: empty scene
+  /// Per wide node: becomes 1 when a ray finds a slot in it. Written by all threads, read by the
+  /// next update.
+  std::uint8_t* entered = nullptr;
   const std::uint32_t* top_prims = nullptr;  ///< instance indices, or indices into `flat`
   const FlatPrim* flat = nullptr;            ///< null: two-level
   /// Not null: rays go through this tree, and the top tree is not looked at.

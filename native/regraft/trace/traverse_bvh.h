@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <utility>
 
@@ -50,6 +51,22 @@ REGRAFT_INLINE void prefetch(const WideNode<W>* nodes, std::uint32_t child) {
   for (int i = 0; i < int(sizeof(WideNode<W>)); i += 64) __builtin_prefetch(lines + i);
 }
 
+/// Notes that a node was entered. Looks before it writes: a line that nobody writes is shared.
+REGRAFT_INLINE void mark(std::uint8_t* entered, std::uint32_t node) {
+  const std::atomic_ref<std::uint8_t> flag(entered[node]);
+  if (flag.load(std::memory_order_relaxed) == 0) flag.store(1, std::memory_order_relaxed);
+}
+
+/// A wide tree as rays see it.
+template <int W>
+struct WideTree {
+  const WideNode<W>* nodes;
+  std::uint8_t* entered;
+
+  WideTree(const void* tree_nodes, std::uint8_t* tree_entered)
+      : nodes(static_cast<const WideNode<W>*>(tree_nodes)), entered(tree_entered) {}
+};
+
 /// The nearest of the slots in `lanes`; pushes the others, farthest first.
 template <int W>
 REGRAFT_INLINE std::uint32_t descend(const WideNode<W>* nodes, const WideNode<W>& node,
@@ -77,7 +94,7 @@ REGRAFT_INLINE std::uint32_t descend(const WideNode<W>* nodes, const WideNode<W>
 /// Walks a wide tree from `root` on, nearest slots first. `leaf(begin, count, limit)` may lower
 /// `limit`, beyond which nothing counts, and returns true to stop.
 template <int W, typename Leaf>
-REGRAFT_INLINE void walk(const WideNode<W>* nodes, std::uint32_t root, const SlabRay& ray,
+REGRAFT_INLINE void walk(const WideTree<W>& tree, std::uint32_t root, const SlabRay& ray,
                          float start, float limit, Work& work, const Leaf& leaf) {
   StackEntry stack[stack_size<W>];
   StackEntry* top = stack;
@@ -86,9 +103,10 @@ REGRAFT_INLINE void walk(const WideNode<W>* nodes, std::uint32_t root, const Sla
     if (!WideChild::is_leaf(current)) {
       ++work.nodes;
       Float<W> near;
-      const WideNode<W>& node = nodes[current];
+      const WideNode<W>& node = tree.nodes[current];
       if (const LaneBits lanes = test_slots(node, ray, start, limit, near); lanes != 0) {
-        current = descend(nodes, node, lanes, near, top);
+        mark(tree.entered, current);
+        current = descend(tree.nodes, node, lanes, near, top);
         continue;
       }
     } else if (current != WideChild::none) {
@@ -134,9 +152,9 @@ REGRAFT_INLINE bool test_prims(const LocalRay& ray, const InstanceView& instance
 template <int W, bool AnyHit>
 REGRAFT_INLINE bool trace_mesh(const LocalRay& ray, const InstanceView& instance,
                                std::uint32_t root, Nearest& nearest, Work& work) {
-  const auto* nodes = static_cast<const WideNode<W>*>(instance.mesh.nodes);
+  const WideTree<W> tree(instance.mesh.nodes, instance.mesh.entered);
   bool found = false;
-  walk<W>(nodes, root, ray, local_start(ray), local_limit(ray, nearest.t), work,
+  walk<W>(tree, root, ray, local_start(ray), local_limit(ray, nearest.t), work,
           [&](std::uint32_t begin, std::uint32_t count, float& limit) {
             return found = test_prims<AnyHit>(ray, instance, instance.mesh.prim_ids + begin,
                                               int(count), limit, nearest, work);
@@ -194,12 +212,12 @@ REGRAFT_INLINE bool test_flat_leaf(const TraceView& view, const WorldRay& world,
 template <int W, bool AnyHit>
 REGRAFT_INLINE bool trace_top(const TraceView& view, const WorldRay& world, const SlabRay& top,
                               std::uint32_t root, Nearest& nearest, Work& work) {
-  const auto* nodes = static_cast<const WideNode<W>*>(view.top_nodes);
+  const WideTree<W> tree(view.top_nodes, view.entered);
   LocalRay local;
   std::uint32_t local_of = 0xFFFFFFFFu;
   bool enters = false;
   bool found = false;
-  walk<W>(nodes, root, top, world.t_near, nearest.t, work,
+  walk<W>(tree, root, top, world.t_near, nearest.t, work,
           [&](std::uint32_t begin, std::uint32_t count, float& limit) {
             if (view.flat != nullptr) {
               found = test_flat_leaf<AnyHit>(view, world, top, begin, count, local_of, enters,

@@ -78,7 +78,8 @@ struct Living {
       std::string flaw = metrics_flaw(c);
       if (!flaw.empty()) return flaw;
       prims += tree.prims(c);
-      const bool seen = (tree.seen[node.first >> 1] >> side & 1) != 0;
+      const bvh::Node& child = tree.bvh.nodes[c];
+      const bool seen = tree.seen[(child.leaf() ? c : child.first) >> 1] != 0;
       if (seen) cost += tree.cost(c) * hit_probability(tree.bvh.nodes[c].bounds(), node.bounds());
       const double grown = tree.area(c) * (1 - 1e-9) - m.reference[side] * tree.area(n);
       excess += tree.excess(c);
