@@ -19,6 +19,14 @@ struct Cut {
   /// Opens `node` down to what is neither damaged nor has an area above `large`. Opened leaves
   /// fall apart into primitives, their boxes still to be filled in.
   void open(const LivingBvh& tree, std::uint32_t node, double large);
+
+  /// Opens two nodes, and always what is largest and most damaged of what they hold, until there
+  /// are `count` units; what no ray entered stays whole. Returns how many units are of the first.
+  std::size_t open_worst(const LivingBvh& tree, std::uint32_t a, std::uint32_t b,
+                         std::size_t count);
+
+ private:
+  void take_apart(const Node& leaf);
 };
 
 }  // namespace regraft::bvh

@@ -31,9 +31,13 @@ Plane partition_plane(const Bvh& bvh, std::uint32_t ancestor) {
 
 class Preparation {
  public:
-  Preparation(const LivingBvh& tree, const NodePair& pair, const PrimBoxes& source,
-              const BinnedSahBuilder::Config& builder, Executor& executor)
-      : tree_(tree), pair_(pair), source_(source), config_(builder), executor_(executor) {}
+  Preparation(const GraftSite& site, Executor& executor)
+      : tree_(site.tree),
+        pair_(site.pair),
+        source_(site.boxes),
+        config_(site.builder),
+        parts_(site.parts),
+        executor_(executor) {}
 
   Graft run() {
     graft_.node[0] = pair_.a;
@@ -50,14 +54,20 @@ class Preparation {
   }
 
  private:
-  /// Takes both subtrees apart; returns how many units are of the first.
-  std::size_t open() {
+  std::size_t cut() {
+    if (parts_ > 0) return cut_.open_worst(tree_, pair_.a, pair_.b, parts_);
     Aabb both = tree_.bvh.nodes[pair_.a].bounds();
     both.extend(tree_.bvh.nodes[pair_.b].bounds());
     const double large = half_area(both) * large_share;
     cut_.open(tree_, pair_.a, large);
     const std::size_t first = cut_.units.size();
     cut_.open(tree_, pair_.b, large);
+    return first;
+  }
+
+  /// Takes both subtrees apart; returns how many units are of the first.
+  std::size_t open() {
+    const std::size_t first = cut();
     boxes_.resize(cut_.units.size());
     // What cannot be hit lies, for the time of building, where something else lies.
     Aabb stand_in{Vec3(0.0f), Vec3(0.0f)};
@@ -224,6 +234,7 @@ class Preparation {
   const NodePair& pair_;
   const PrimBoxes& source_;
   const BinnedSahBuilder::Config& config_;
+  std::size_t parts_;
   Executor& executor_;
   Graft graft_;
   Cut cut_;
@@ -236,12 +247,14 @@ class Splice {
   Splice(LivingBvh& tree, const Graft& graft) : tree_(tree), bvh_(tree.bvh), graft_(graft) {}
 
   std::vector<std::uint32_t> run() {
+    std::uint8_t seen[2];
+    for (int side = 0; side < 2; ++side) seen[side] = seen_before(graft_.node[side]);
     for (const std::uint32_t first : graft_.pairs) bvh_.nodes[first] = bvh_.nodes[first + 1] = {};
     for (const auto& [slot, prim] : graft_.prims) bvh_.prim_ids[slot] = prim;
     for (int side = 0; side < 2; ++side) {
       const std::uint32_t n = graft_.node[side];
       // New nodes inherit whether they were seen.
-      seen_ = (tree_.seen[n >> 1] >> (n & 1) & 1) != 0 ? 3 : 0;
+      seen_ = seen[side];
       copy(graft_.scion[side].nodes, 0, n);
     }
     bvh_.free_pairs.insert(bvh_.free_pairs.end(),
@@ -270,6 +283,10 @@ class Splice {
     tree_.measure(to);
   }
 
+  std::uint8_t seen_before(std::uint32_t n) const {
+    return tree_.seen[(bvh_.nodes[n].leaf() ? n : bvh_.nodes[n].first) >> 1];
+  }
+
   std::uint32_t take_pair() {
     if (used_pairs_ < graft_.pairs.size()) return graft_.pairs[used_pairs_++];
     if (!bvh_.free_pairs.empty()) {
@@ -286,7 +303,7 @@ class Splice {
   LivingBvh& tree_;
   Bvh& bvh_;
   const Graft& graft_;
-  std::uint8_t seen_ = 3;
+  std::uint8_t seen_ = 1;
   std::size_t used_pairs_ = 0;
   std::vector<std::uint32_t> made_;
 };
@@ -313,9 +330,8 @@ void set_references(LivingBvh& tree, std::uint32_t node, std::uint32_t ancestor)
 
 }  // namespace
 
-Graft prepare_graft(const LivingBvh& tree, const NodePair& pair, const PrimBoxes& boxes,
-                    const BinnedSahBuilder::Config& builder, Executor& executor) {
-  return Preparation(tree, pair, boxes, builder, executor).run();
+Graft prepare_graft(const GraftSite& site, Executor& executor) {
+  return Preparation(site, executor).run();
 }
 
 void accept_damage(LivingBvh& tree, const NodePair& pair) {

@@ -35,13 +35,23 @@ struct Graft {
   double saving = 0.0;
 };
 
+/// Where and with what to graft.
+struct GraftSite {
+  const LivingBvh& tree;
+  const NodePair& pair;
+  const PrimBoxes& boxes;
+  const BinnedSahBuilder::Config& builder;
+  /// The pair is taken apart into so many parts, the largest and most damaged first; 0: into those
+  /// that are in order.
+  std::size_t parts = 0;
+};
+
 /// Shares what is below a pair out anew and builds both sides (Yoon, Curtis, Manocha 2007, section
 /// 5). Reads the tree only: any number of disjoint pairs may be prepared at once.
 ///
 /// Deviation: not down to the primitives. Subtrees without damage stay whole, as in rebuilding from
 /// a hierarchy's cut (Hunt, Mark, Fussell 2007), so the work is that of the damage alone.
-Graft prepare_graft(const LivingBvh& tree, const NodePair& pair, const PrimBoxes& boxes,
-                    const BinnedSahBuilder::Config& builder, Executor& executor);
+Graft prepare_graft(const GraftSite& site, Executor& executor);
 
 /// Puts new subtrees into their places and measures what is above them; references from the nodes
 /// up to `ancestor` become those of now.

@@ -82,20 +82,20 @@ void regraft_all(LivingBvh& tree, const std::vector<NodePair>& pairs, const Prim
   std::vector<Graft> grafts(pairs.size());
   executor.parallel_for(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      grafts[i] = prepare_graft(tree, pairs[i], boxes, builder, executor);
+      grafts[i] = prepare_graft({tree, pairs[i], boxes, builder}, executor);
   });
   result.rebuild_instead =
       std::any_of(grafts.begin(), grafts.end(), [](const Graft& graft) { return !graft.possible; });
   for (std::size_t i = 0; i < grafts.size() && !result.rebuild_instead; ++i) {
-    const double before = tree.cost(0);
-    if (grafts[i].saving > 0.0) {
+    const double saving = std::max(grafts[i].saving, 0.0) / tree.area(0);
+    if (saving > 0.0) {
       const std::vector<std::uint32_t> made = apply_graft(tree, grafts[i], pairs[i].ancestor);
       result.nodes_rebuilt += made.size();
       result.replaced.insert(result.replaced.end(), made.begin(), made.end());
     } else {
       accept_damage(tree, pairs[i]);
     }
-    result.operations.push_back({pairs[i].total, before - tree.cost(0)});
+    result.operations.push_back({pairs[i].total, saving});
   }
 }
 

@@ -18,13 +18,15 @@ struct Outlook {
 /// One restructured pair, in expected tests a ray that hits the root's box.
 struct Restructured {
   double predicted = 0.0;  ///< total benefit of the pair, scaled by `Outlook::yield`
-  double realised = 0.0;   ///< by how much C(root) fell
+  double realised = 0.0;   ///< by how much C(root) fell, with everything seen
 };
 
 struct RestructureResult {
   std::uint64_t pairs_considered = 0;
   std::uint64_t nodes_rebuilt = 0;
   std::vector<Restructured> operations;
+  /// By how much building the top anew made C(root) fall, with everything seen.
+  double crown_saving = 0.0;
   /// Nodes that now hold something else; those above them may have new boxes.
   std::vector<std::uint32_t> replaced;
   /// Nothing was done: rebuilding the whole tree costs no more than what is worth doing.
