@@ -5,10 +5,12 @@ The NumPy door to the native library; docs/api.md is the contract. Nothing here 
 
 from __future__ import annotations
 
+from regraft import machine_costs
 from regraft._regraft import (
     Frame,
     FrameStatistics,
     HitBatch,
+    NodeBatch,
     PointBatch,
     Scene,
     UpdateStatistics,
@@ -23,8 +25,11 @@ __all__ = [
     "FrameStatistics",
     "HitBatch",
     "Light",
+    "NodeBatch",
     "PointBatch",
     "Scene",
     "UpdateStatistics",
     "__version__",
 ]
+
+machine_costs.load()

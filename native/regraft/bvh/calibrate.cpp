@@ -10,6 +10,7 @@
 
 #include "regraft/bvh/binned_sah_builder.h"
 #include "regraft/bvh/box4.h"
+#include "regraft/bvh/morton_builder.h"
 
 namespace regraft::bvh {
 
@@ -88,8 +89,9 @@ std::size_t run_triangle_tests(const std::vector<float>& numbers) {
   return 4 * groups;
 }
 
-/// Seconds a build takes for each m·log2(m), fitted through the origin.
-double seconds_of_build(Executor& executor) {
+/// Seconds that `build` takes for each `unit(m)`, fitted through the origin.
+template <typename Build, typename Unit>
+double seconds_of_build(const Build& build, const Unit& unit) {
   double product = 0.0, square = 0.0;
   for (std::uint32_t m = 1u << 10; m <= 1u << 16; m *= 2) {
     const std::vector<float> numbers = random_numbers(3 * std::size_t(m));
@@ -100,8 +102,8 @@ double seconds_of_build(Executor& executor) {
       boxes[i].extend(Vec3(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]));
       boxes[i].extend(boxes[i].lo + Vec3(0.01f));
     }
-    const double x = double(m) * std::log2(double(m));
-    product += x * seconds([&] { BinnedSahBuilder::build(boxes, ids, {}, executor); });
+    const double x = unit(double(m));
+    product += x * seconds([&] { build(boxes, ids); });
     square += x * x;
   }
   return product / square;
@@ -119,7 +121,16 @@ MachineConstants calibrate(const Probes& probes, Executor& executor) {
   MachineConstants constants;
   const double box = seconds_each(probes.box_tests);
   constants.leaf = seconds_each(probes.triangle_tests) / box;
-  constants.rebuild = seconds_of_build(executor) / box;
+  using Boxes = std::vector<Aabb>;
+  using Ids = std::vector<std::uint32_t>;
+  const auto by_area = [&](const Boxes& boxes, const Ids& ids) {
+    BinnedSahBuilder::build(boxes, ids, {}, executor);
+  };
+  const auto by_curve = [&](const Boxes& boxes, const Ids& ids) {
+    MortonBuilder::build(boxes, ids, {}, executor);
+  };
+  constants.rebuild = seconds_of_build(by_area, [](double m) { return m * std::log2(m); }) / box;
+  constants.morton = seconds_of_build(by_curve, [](double m) { return m; }) / box;
   if (probes.pairs) constants.refine = seconds_each(probes.pairs) / box;
   return constants;
 }

@@ -8,12 +8,14 @@
 namespace regraft::bvh {
 
 /// What operations cost on this machine, in units of one ray/box test (Yoon, Curtis, Manocha 2007,
-/// section 4): of one ray/triangle test, of a build divided by m·log2(m), of looking at one pair.
+/// section 4): of one ray/triangle test, of a build divided by m·log2(m), of looking at one pair,
+/// of a build along a Morton curve divided by m.
 /// The defaults are what tests use everywhere.
 struct MachineConstants {
   double leaf = 1.5;
   double rebuild = 10.0;
   double refine = 4.0;
+  double morton = 10.0;
 };
 
 /// What is timed; each call does the work once and returns how many operations that was.

@@ -14,6 +14,10 @@ struct RestructureConfig {
   double refine = 30.0;
   /// Pairs looked at in one update. Scenes that need more are better rebuilt.
   std::uint32_t pair_limit = 4096;
+  /// Building one primitive's share of a tree along a Morton curve.
+  double morton = 4.0;
+  /// One ray/triangle test.
+  double leaf = CostModel{}.leaf;
 };
 
 /// Two nodes whose primitives may be better shared out anew.

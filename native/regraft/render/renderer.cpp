@@ -3,6 +3,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "regraft/accel/key_boxes.h"
 #include "regraft/render/tile_loop.h"
 #include "regraft/trace/kernels.h"
 
@@ -82,6 +83,7 @@ Renderer::Renderer(unsigned threads, simd::Isa isa) : executor_(threads), isa_(i
 }
 
 accel::UpdateStatistics Renderer::update(const accel::UpdateOptions& options) {
+  if (options.policy == accel::Policy::shot) accel::require_key_frames(scene_, scene_.changes());
   const int width = trace::kernels(isa_).width;
   last_update_ = accelerator_.update(scene_, scene_.take_changes(), options, width, executor_);
   return last_update_;

@@ -16,9 +16,16 @@ from pathlib import Path
 import numpy as np
 
 import regraft
+from regraft import _regraft, machine_costs
 from regraft.cli.backend import HOW_TO_GET_BLENDER, Backend, choose_backend
 from regraft.cli.console import Console
-from regraft.cli.errors import EXIT_OK, CommandError, InputError, SelfCheckError
+from regraft.cli.errors import (
+    EXIT_OK,
+    CommandError,
+    InputError,
+    SelfCheckError,
+    describe_write_failure,
+)
 from regraft.cli.job import RenderJob
 from regraft.cli.self_check import run_self_check
 from regraft.formats import images, movie
@@ -38,6 +45,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "merely not installed are hints.",
     )
     parser.set_defaults(run=run)
+    parser.add_argument(
+        "--calibrate",
+        action="store_true",
+        help="measure first what operations cost on this machine, and keep it in the user's cache "
+        "folder; takes a few seconds in which the machine should do nothing else",
+    )
     parser.add_argument("--verbose", action="store_true", help="let Blender's own output through")
 
 
@@ -73,6 +86,8 @@ class Report:
 def run(args: argparse.Namespace, console: Console) -> int:
     """Runs `regraft doctor`. Raises SelfCheckError if any check failed."""
     report = Report(console)
+    if args.calibrate:
+        _calibrate(console)
     _machine(report)
     report.check("tracing", run_self_check)
     _formats(report)
@@ -90,6 +105,21 @@ def _machine(report: Report) -> None:
     report.fact("cores", str(usable_cores()))
     available = available_isas()
     report.fact("SIMD", f"{available[-1]} (available: {', '.join(available)})")
+    source = machine_costs.load()
+    report.fact("costs", f"{_in_words(_regraft.machine_costs())} ({source})")
+
+
+def _calibrate(console: Console) -> None:
+    costs = _regraft.calibrate()
+    try:
+        path = machine_costs.save(costs)
+    except OSError as error:
+        raise describe_write_failure(machine_costs.cache_file(), error) from error
+    console.say(f"  {'measured':<12} {_in_words(costs)}, kept in {path}")
+
+
+def _in_words(costs: dict[str, float]) -> str:
+    return ", ".join(f"{name} {cost:.3g}" for name, cost in costs.items())
 
 
 def usable_cores() -> int:
