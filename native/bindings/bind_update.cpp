@@ -8,6 +8,7 @@
 
 #include "args.h"
 #include "bindings.h"
+#include "machine_costs.h"
 #include "read_dataclass.h"
 #include "statistics.h"
 
@@ -17,25 +18,16 @@ namespace {
 
 using NumberDict = Arg<"dict[str, float]">;
 
-constexpr std::array later_policies{"shot"};
-
-/// The value that `names` pairs with `text`. `later` are names of what is still to come.
+/// The value that `names` pairs with `text`.
 template <typename T, std::size_t N>
 T choice(const std::string& text, const char* what,
-         const std::array<std::pair<const char*, T>, N>& names,
-         std::span<const char* const> later = {}) {
+         const std::array<std::pair<const char*, T>, N>& names) {
   std::string known;
   for (const auto& [name, value] : names) {
     if (text == name) return value;
     known += (known.empty() ? "" : ", ") + std::string(name);
   }
-  if (std::find(later.begin(), later.end(), text) == later.end()) {
-    throw py::value_error(std::string(what) + ": \"" + text + "\" is none of " + known);
-  }
-  const std::string message = std::string(what) + " \"" + text +
-                              "\" is not available yet in this version; use one of " + known;
-  PyErr_SetString(PyExc_NotImplementedError, message.c_str());
-  throw py::error_already_set();
+  throw py::value_error(std::string(what) + ": \"" + text + "\" is none of " + known);
 }
 
 accel::UpdateOptions update_options(const std::string& policy, const std::string& structure,
@@ -44,22 +36,28 @@ accel::UpdateOptions update_options(const std::string& policy, const std::string
   using accel::Layout;
   using accel::Policy;
   using accel::Structure;
-  static constexpr std::array<std::pair<const char*, Policy>, 7> policies{
+  static constexpr std::array<std::pair<const char*, Policy>, 8> policies{
       {{"auto", Policy::automatic},
        {"refit", Policy::refit},
        {"rebuild", Policy::rebuild},
        {"lm", Policy::lm},
        {"rtdeform", Policy::rtdeform},
        {"selective", Policy::selective},
-       {"selective+rotate", Policy::selective_rotate}}};
+       {"selective+rotate", Policy::selective_rotate},
+       {"shot", Policy::shot}}};
   static constexpr std::array<std::pair<const char*, Structure>, 3> structures{
       {{"auto", Structure::automatic}, {"bvh", Structure::bvh}, {"kdtree", Structure::kdtree}}};
   static constexpr std::array<std::pair<const char*, Layout>, 2> layouts{
       {{"two-level", Layout::two_level}, {"flat", Layout::flat}}};
   accel::UpdateOptions options;
-  options.policy = choice(policy, "policy", policies, later_policies);
+  options.policy = choice(policy, "policy", policies);
   options.structure = choice(structure, "structure", structures);
   options.layout = choice(layout, "layout", layouts);
+  const MachineCosts& costs = machine_costs();
+  options.costs.rebuild = costs.rebuild;
+  options.costs.refine = costs.refine;
+  options.costs.morton = costs.morton;
+  options.costs.leaf = costs.leaf;
   if (frames_left) {
     options.frames_left =
         static_cast<std::uint32_t>(checked_int(*frames_left, "frames_left", 1, 0x7FFFFFFF));
@@ -115,13 +113,14 @@ void bind_update(SceneClass& scene) {
            py::arg("camera") = py::none(),
            R"(Brings the trees up to date with the scene; free where nothing changed.
 
-policy: auto, refit, rebuild, lm, rtdeform, selective or selective+rotate;
+policy: auto, refit, rebuild, lm, rtdeform, selective, selective+rotate or shot; the last
+plans for the key frames that `set_key_vertices` and `set_key_transforms` gave.
 structure: auto, bvh or kdtree; layout: two-level or flat.
 frames_left: how many frames the shot still has, if that is known. camera: from where the
 scene is going to be looked at, if that is known. Both help `auto`. Releases the GIL.
 
-Raises ValueError for an unknown name, NotImplementedError for one that a later version
-brings.)")
+Raises ValueError for an unknown name, or for "shot" if something moves whose key frames
+nobody gave.)")
       .def("quality", &quality, py::arg("fresh") = false,
            R"(How good the trees are: a dict of
 

@@ -51,6 +51,8 @@ void bind_module(py::module_& module) {
   bind_statistics(module);
   bind_results(module);
   bind_point_results(module);
+  bind_machine(module);
+  bind_node_results(module);
   bind_frame(module);
   SceneClass scene(module, "Scene", R"(A ray-tracing scene that stays alive between frames.
 
@@ -66,6 +68,8 @@ isa: auto, scalar, sse, avx2 or avx512; one that the machine lacks raises ValueE
   bind_update(scene);
   bind_queries(scene);
   bind_points(scene);
+  bind_key_frames(scene);
+  bind_nodes(scene);
   bind_render(scene);
 }
 

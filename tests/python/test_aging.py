@@ -7,11 +7,12 @@ from typing import Any
 
 import pytest
 
-from regraft.study import aging, aging_table, local_motion
+from regraft.study import aging, aging_table, local_motion, size_scaling
 
 
 def row(frame: int, policy: str, update: float, trace: float, **more: Any) -> dict[str, Any]:
-    counts = dict.fromkeys(("pairs_considered", "pairs_restructured", "nodes_rebuilt"), 0)
+    names = ("pairs_considered", "pairs_restructured", "nodes_rebuilt", "select_ms")
+    counts = dict.fromkeys((*names, "predictions", "predictions_right"), 0)
     costs = {"culling_efficiency": 10.0 + frame, "observed_cost": 20.0 + 2 * frame}
     times = {"update_ms": update, "trace_ms": trace, "cost_ratio": None}
     about = {"frame": frame, "policy": policy, "layout": "flat"}
@@ -43,8 +44,9 @@ def test_what_does_not_vary_has_no_correlation() -> None:
 def test_the_papers_speed_ups_stand_beside_ours() -> None:
     rows = [row(i, p, ms, 1) for i in (1, 2) for p, ms in (("selective", 1), ("rebuild", 3))]
     lines = list(aging_table.lines(aging_table.totals(rows)))
-    assert "selective is 2.00x as fast as rebuild" in lines[-1]
-    assert "8.5 / 1.81 / 4.69 / 1.14" in lines[-1]
+    assert "selective is 2.00x as fast as rebuild" in lines[-2]
+    assert "correlation of predicted and observed tests –" in lines[-1]
+    assert "8.5 / 1.81 / 4.69 / 1.14" in lines[-2]
 
 
 def test_contestants_take_turns_on_the_same_frames(tmp_path: Path) -> None:
@@ -63,3 +65,15 @@ def test_contestants_take_turns_on_the_same_frames(tmp_path: Path) -> None:
     assert [r["cost_ratio"] is None for r in rows] == [True, True, False, False, True, True]
     assert rows[3]["cost_ratio"] == pytest.approx(1.0, abs=1e-6), "a rebuilt tree is a fresh one"
     assert all((r["nodes_rebuilt"] > 0) == (r["policy"] == "rebuild") for r in rows[2:])
+
+
+def test_the_slope_of_a_power_is_its_exponent() -> None:
+    rows = [{"triangles": n, "ms": 3.0 * n**0.5} for n in (100, 1000, 50_000)]
+    assert size_scaling.slope(rows, "ms") == pytest.approx(0.5)
+
+
+def test_sizes_are_measured_one_by_one() -> None:
+    ticks: list[int] = []
+    rows = list(size_scaling.measure((5_000, 8_000), 1, ticks.append))
+    assert [row["triangles"] for row in rows] == ticks == [5_000, 8_000]
+    assert len(list(size_scaling.lines(rows))) == 4

@@ -92,6 +92,23 @@ class HitBatch:
         """
     def __len__(self) -> int: ...
 
+class NodeBatch:
+    """Nodes of the trees, one element a node."""
+    @property
+    def boxes(self) -> npt.NDArray[np.float64]:
+        """(N, 2, 3) float64, world frame: lowest and highest corners."""
+    @property
+    def damage(self) -> npt.NDArray[np.float64]:
+        """(N,) float64: tests lost since the node was last in order, as a share of all that it
+        costs; 0 where the policy does not measure.
+        """
+    @property
+    def rebuilt(self) -> npt.NDArray[np.bool_]:
+        """(N,) bool: made anew by the last update that had something to do, or holding nodes that
+        were.
+        """
+    def __len__(self) -> int: ...
+
 class PointBatch:
     """Nearest points to N points, one element a point."""
     @property
@@ -280,13 +297,14 @@ class Scene:
     ) -> UpdateStatistics:
         """Brings the trees up to date with the scene; free where nothing changed.
 
-        policy: auto, refit, rebuild, lm, rtdeform, selective or selective+rotate;
+        policy: auto, refit, rebuild, lm, rtdeform, selective, selective+rotate or shot; the last
+        plans for the key frames that `set_key_vertices` and `set_key_transforms` gave.
         structure: auto, bvh or kdtree; layout: two-level or flat.
         frames_left: how many frames the shot still has, if that is known. camera: from where the
         scene is going to be looked at, if that is known. Both help `auto`. Releases the GIL.
 
-        Raises ValueError for an unknown name, NotImplementedError for one that a later version
-        brings.
+        Raises ValueError for an unknown name, or for "shot" if something moves whose key frames
+        nobody gave.
         """
     def quality(self, fresh: bool = False) -> dict[str, float]:
         """How good the trees are: a dict of
@@ -358,6 +376,32 @@ class Scene:
 
         Raises ValueError for another shape or dtype or a negative distance, RuntimeError if the
         scene changed since its last update.
+        """
+    def set_key_vertices(self, mesh_id: SupportsIndex, frames: npt.NDArray[np.float32]) -> None:
+        """Tells where a mesh's vertices will be in key frames of the shot, for policy="shot".
+
+        frames: (K, V, 3) float32, object space; eight key frames at most are looked at. No
+        change of the scene: trees read them when they are built, so give them before the first
+        update. `set_mesh` forgets them. Raises ValueError for another shape or dtype.
+        """
+    def set_key_transforms(
+        self, instance_id: SupportsIndex, frames: npt.NDArray[np.float64]
+    ) -> None:
+        """Tells where an instance will be in key frames of the shot, for policy="shot".
+
+        frames: (K, 4, 4) float64. As `set_key_vertices`.
+        """
+    def damaged_nodes(self, depth: SupportsIndex) -> NodeBatch:
+        """The nodes `depth` levels below the root, with leaves that end above, and their damage.
+
+        Levels are counted through the top tree into those of the meshes, once an instance.
+
+        Raises RuntimeError if the scene changed since its last update.
+        """
+    def rebuilt_nodes(self) -> NodeBatch:
+        """The highest nodes that the last update which had something to do made anew.
+
+        Raises RuntimeError if the scene changed since its last update.
         """
     def render(
         self,
@@ -435,5 +479,24 @@ def available_isas() -> list[str]:
 def best_isa() -> str:
     """The strongest of `available_isas`, which isa="auto" takes."""
 
+def calibrate(threads: SupportsIndex = 0) -> dict[str, float]:
+    """Measures the machine costs, and changes nothing. Takes a few seconds; releases the
+    GIL.
+    """
+
 def hardware_threads() -> int:
     """Cores that threads=0 takes."""
+
+def machine_costs() -> dict[str, float]:
+    """What updates take operations for, in units of one expected test of a ray: `leaf`, a
+    triangle test; `rebuild`, a build of m triangles divided by m log2 m; `refine`, looking at one
+    pair of nodes; `morton`, a quick build divided by m.
+    """
+
+def set_machine_costs(
+    *, leaf: object = None, rebuild: object = None, refine: object = None, morton: object = None
+) -> dict[str, float]:
+    """Changes what None does not leave as it is, for all scenes of the process; returns all.
+
+    Raises ValueError for a cost that is not a number above 0 and below 1e9.
+    """

@@ -87,7 +87,8 @@ Tending Accelerator::State::tending(const UpdateOptions& options, int width) {
     // count for as many as would cost the same.
     frame_rays = std::fmax(double(rays), tests / std::fmax(last.culling_efficiency, 1.0));
   }
-  return {options.policy, width, frame_rays, options.frames_left, options.costs};
+  return {options.policy,      width,     frame_rays,   tests > 0.0,
+          options.frames_left, ++updates, options.costs};
 }
 
 std::vector<std::uint8_t> Accelerator::State::seen_meshes(const Scene& scene) const {
@@ -173,9 +174,9 @@ void Accelerator::State::count(const Scene& scene, UpdateStatistics& s) const {
     s.nodes += blases[id].bvh().node_count();
     s.memory_bytes += blases[id].bytes() + normals[id].bytes();
   }
-  s.culling_efficiency = tlas.sah_cost(instances);
+  s.culling_efficiency = tlas.culling_efficiency(instances);
   const double unworn = tlas.unworn_cost(instances);
-  s.cost_ratio = unworn > 0.0 ? s.culling_efficiency / unworn : 1.0;
+  s.cost_ratio = unworn > 0.0 ? tlas.sah_cost(instances) / unworn : 1.0;
 }
 
 void Accelerator::State::list_left_out(const Scene& scene, const ChangeSet& changes,

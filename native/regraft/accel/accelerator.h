@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "regraft/accel/node_batch.h"
 #include "regraft/accel/update_policy.h"
 #include "regraft/accel/update_statistics.h"
 #include "regraft/core/aabb.h"
@@ -59,6 +60,12 @@ class Accelerator {
   /// tree anew, beside the present ones, to compare with. Of a k-d tree: of all of it, so what no
   /// ray has asked for is built.
   Quality quality(const Scene& scene, bool fresh, Executor& executor) const;
+
+  /// The nodes `depth` levels below the root, counted through the top tree into those of meshes,
+  /// once an instance, with leaves that come before; none of a k-d tree.
+  NodeBatch nodes_at(std::uint32_t depth) const;
+  /// The highest of the nodes that the last update made anew.
+  NodeBatch rebuilt_nodes() const;
 
   /// For tests and studies: every tree checked, the first violation in words or "".
   std::string validate(const Scene& scene) const;

@@ -40,6 +40,7 @@ struct Accelerator::State {
   double frame_rays = 262144.0;
   UpdateStatistics last;
   std::uint64_t bytes_without_kdtree = 0;
+  std::uint64_t updates = 0;  ///< those that had something to do
 
   void note(const ChangeSet& changes, std::size_t mesh_count);
   void mark(std::uint32_t mesh, Pending what);

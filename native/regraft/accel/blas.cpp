@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "regraft/accel/key_boxes.h"
 #include "regraft/accel/triangle_bounds.h"
 #include "regraft/bvh/validate.h"
 
@@ -82,7 +83,10 @@ void Blas::bound(const Mesh& mesh, Executor& executor) {
 
 void Blas::build(const Mesh& mesh, const Tending& how, Executor& executor) {
   sort_out(mesh, executor);
-  tree_.build(all_bounds(mesh, executor), prims_, {}, how, executor);
+  const std::vector<Aabb> boxes = all_bounds(mesh, executor);
+  KeyBoxes keys;
+  if (how.policy == Policy::shot) keys = key_boxes(mesh, executor);
+  tree_.build({boxes, prims_, {}, keys}, how, executor);
   prims_ = {};
   note_bounds(mesh, tree_.bounds(), 0);
 }
@@ -133,6 +137,7 @@ trace::MeshView Blas::view(const Mesh& mesh) const {
   view.vertices = &mesh.vertices[0].x;
   view.triangles = &mesh.triangles[0].x;
   view.nodes = tree_.exists() ? tree_.wide_nodes() : nullptr;
+  view.entered = tree_.entered();
   view.prim_ids = only_bounded_ ? nullptr : prims().data();
   view.prim_count = std::uint32_t(only_bounded_ ? mesh.triangles.size() : prims().size());
   view.magnitude = extent_.magnitude();

@@ -26,6 +26,7 @@ class Blas {
   void bound(const Mesh& mesh, Executor& executor);
 
   bool exists() const { return exists_; }
+  const KeptTree& tree() const { return tree_; }
   const bvh::Bvh& bvh() const { return tree_.bvh(); }
   /// Triangles that rays can meet.
   std::span<const std::uint32_t> prims() const {
@@ -34,6 +35,7 @@ class Blas {
   /// Box of those triangles.
   Aabb bounds() const { return bounds_; }
   double sah_cost() const { return tree_.sah_cost(); }
+  double culling_efficiency() const { return tree_.culling_efficiency(); }
   double wear() const { return tree_.wear(); }
   /// Triangles no ray can meet: not finite, and of zero area when the tree was built.
   std::uint32_t non_finite() const { return non_finite_; }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <chrono>
 
+#include "regraft/bvh/crown.h"
+#include "regraft/bvh/key_frame_builder.h"
+#include "regraft/bvh/morton_builder.h"
 #include "regraft/bvh/rotate_living.h"
 #include "regraft/bvh/volume_restructure.h"
 
@@ -12,6 +15,16 @@ namespace {
 
 /// Predictions are never trusted less than this: what happens next may differ.
 constexpr double least_yield = 0.02;
+/// Excess below this share of all costs is what rounding makes of a tree that moves as a whole.
+constexpr double noise = 1e-4;
+/// Parts that the top of a tree is built anew over: one for so many primitives, within limits.
+constexpr std::uint32_t crown_share = 16;
+constexpr std::uint32_t least_parts = 512;
+constexpr std::uint32_t most_parts = 16384;
+/// Updates between two tries at the top, where they do not pay.
+constexpr std::uint32_t longest_interval = 64;
+/// Tests that a tree along a Morton curve costs more than one by surface area: 3 to 21 %.
+constexpr double morton_excess = 0.15;
 /// How fast a frame in which nothing was tried lets the past be forgotten.
 constexpr double forgetting = 0.02;
 
@@ -39,14 +52,37 @@ TreeUpdate KeptTree::choose(bool topology_changed, bool moved, const Tending& ho
   return choose_update(state, how.policy);
 }
 
-void KeptTree::build(std::span<const Aabb> boxes, std::span<const std::uint32_t> ids,
-                     const bvh::BinnedSahBuilder::Config& builder, const Tending& how,
-                     Executor& executor) {
-  tree_.bvh = bvh::BinnedSahBuilder::build(boxes, ids, builder, executor);
+bvh::Bvh KeptTree::built(const Primitives& prims, const Tending& how, Executor& executor) const {
+  if (!prims.key_boxes.empty()) {
+    const std::vector<std::span<const Aabb>> frames(prims.key_boxes.begin(), prims.key_boxes.end());
+    bvh::KeyFrameBuilder::Config config;
+    config.max_leaf = prims.builder.max_leaf;
+    return bvh::KeyFrameBuilder::build(frames, prims.ids, config, executor);
+  }
+  if (builds_quickly(prims.ids.size(), how))
+    return bvh::MortonBuilder::build(prims.boxes, prims.ids, {prims.builder.max_leaf}, executor);
+  return bvh::BinnedSahBuilder::build(prims.boxes, prims.ids, prims.builder, executor);
+}
+
+/// What is built anew every frame is not worth the dearer builder: `auto` takes the quick one if
+/// the tests it costs until the next build are fewer than what it saves.
+bool KeptTree::builds_quickly(std::size_t prims, const Tending& how) const {
+  if (how.policy != Policy::automatic || !exists_) return false;
+  const double lasting = std::min(life_.frames(how.frames_left), 1.0 + double(since_build_));
+  const double worse = how.rays * lasting * now_.sah_cost / now_.wear(built_) * morton_excess;
+  return worse + how.costs.morton * double(prims) <
+         how.costs.rebuild * double(prims) * std::log2(double(std::max<std::size_t>(prims, 2)));
+}
+
+void KeptTree::build(const Primitives& prims, const Tending& how, Executor& executor) {
+  tree_.bvh = built(prims, how, executor);
   tree_.stop_measuring();
+  tree_.model.leaf = how.costs.leaf;
   now_ = built_ = bvh::refit(
-      tree_, [&](std::uint32_t i) { return bvh::Box4(boxes[i]); }, executor);
+      tree_, [&](std::uint32_t i) { return bvh::Box4(prims.boxes[i]); }, executor);
+  since_build_ = 0;
   wide_ = bvh::WideBvh::derive(tree_.bvh, how.width, executor);
+  entered_.assign(wide_.node_count(), 0);
   measure_if_asked(how);
   life_.count_frame(tree_.bvh.node_count());
   life_.count_built(tree_.bvh.node_count());
@@ -56,18 +92,32 @@ void KeptTree::build(std::span<const Aabb> boxes, std::span<const std::uint32_t>
   promise_ = {};
   ratio_sum_ = how.policy == Policy::rtdeform ? bvh::area_ratio_sum(tree_.bvh, executor) : 0.0;
   habit_.note(TreeUpdate::rebuild);
+  made_ = {0};
+  shaped_in_ = how.update;
   exists_ = true;
 }
 
+double KeptTree::damage(std::uint32_t node) const {
+  const double all = tree_.measured() ? tree_.cost(node) * tree_.area(node) : 0.0;
+  return all > 0.0 ? tree_.excess(node) / all : 0.0;
+}
+
 void KeptTree::measure_if_asked(const Tending& how) {
+  tree_.model.leaf = how.costs.leaf;
   if (wants_metrics(how.policy, habit_) && !tree_.measured()) tree_.start_measuring();
 }
 
-/// Tests a ray that a rebuild is expected to save: what the tree has worn since its build, as far
-/// as experience confirms it.
-double KeptTree::rebuild_promise() const {
+/// What rays entered since the last update is what C counts; everything, if there were none.
+void KeptTree::look_back(const Tending& how, Executor& executor) {
+  if (tree_.measured() && how.traced) wide_.spread_marks(entered_, tree_.seen, executor);
+  if (tree_.measured() && !how.traced) tree_.see_all();
+}
+
+/// Of `tests` a ray, those that a rebuild is expected to save: what the tree has worn since its
+/// build, as far as experience confirms it.
+double KeptTree::rebuild_promise(double tests) const {
   const double wear = now_.wear(built_);
-  return wear > 1.0 ? rebuild_yield_ * now_.sah_cost * (1.0 - 1.0 / wear) : 0.0;
+  return wear > 1.0 ? rebuild_yield_ * tests * (1.0 - 1.0 / wear) : 0.0;
 }
 
 TreeState KeptTree::state(const Tending& how, Executor& executor) const {
@@ -80,8 +130,9 @@ TreeState KeptTree::state(const Tending& how, Executor& executor) const {
   }
   if (!tree_.measured() || tree_.bvh.empty()) return state;
   const bvh::RestructuringBenefit metric(tree_, how.costs, 1.0);
-  state.worth_rebuilding = how.rays * life_.frames(how.frames_left) * rebuild_promise() >
-                           metric.rebuild_cost(tree_.prims(0));
+  state.worth_rebuilding =
+      how.rays * life_.frames(how.frames_left) * rebuild_promise(culling_efficiency()) >
+      metric.rebuild_cost(tree_.prims(0));
   return state;
 }
 
@@ -93,14 +144,17 @@ void KeptTree::mend(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Co
   if (work.done == TreeUpdate::restructure)
     restructure(boxes, builder, how, executor, work, changes);
   if (work.done == TreeUpdate::rebuild) {
-    promise_ = {now_.sah_cost, rebuild_promise()};
+    promise_ = {now_.sah_cost, rebuild_promise(now_.sah_cost)};
     return;
   }
   if (!changes.replaced.empty()) {
     wide_.update(tree_.bvh, changes, executor);
-    now_.sah_cost = bvh::sah_cost(tree_.bvh);
+    made_ = std::move(changes.replaced);
+    shaped_in_ = how.update;
   }
   wide_.refit(tree_.bvh, executor);
+  entered_.assign(wide_.node_count(), 0);
+  ++since_build_;
   life_.count_frame(tree_.bvh.node_count());
   life_.count_built(work.nodes_rebuilt);
   habit_.note(work.done);
@@ -110,20 +164,25 @@ void KeptTree::restructure(const bvh::PrimBoxes& boxes,
                            const bvh::BinnedSahBuilder::Config& builder, const Tending& how,
                            Executor& executor, TreeWork& work, bvh::Reshaping& changes) {
   const auto start = std::chrono::steady_clock::now();
-  if (how.policy == Policy::selective_rotate)
+  if (how.policy == Policy::selective_rotate) {
     for (const bvh::Rotation& r : bvh::rotate(tree_, executor))
       changes.replaced.insert(changes.replaced.end(), {r.child, r.grandchild});
+    if (!changes.replaced.empty()) now_.sah_cost = bvh::sah_cost(tree_.bvh, tree_.model);
+  }
   const bvh::Outlook outlook{how.rays, life_.frames(how.frames_left), yield_};
   bvh::RestructureResult result =
       how.policy == Policy::lm
           ? bvh::restructure_by_volume(tree_, boxes, builder, executor)
           : bvh::restructure(tree_, boxes, outlook, how.costs, builder, executor);
+  if (how.policy != Policy::lm && !result.rebuild_instead)
+    tend_crown(boxes, builder, how, executor, result);
   work.select_ms +=
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   work.pairs_considered += result.pairs_considered;
   work.nodes_rebuilt += result.nodes_rebuilt;
   if (how.policy != Policy::lm) learn(result.operations);
   for (bvh::Restructured& operation : result.operations) {
+    now_.sah_cost -= operation.realised;
     operation.predicted *= how.rays;
     operation.realised *= how.rays;
   }
@@ -133,6 +192,26 @@ void KeptTree::restructure(const bvh::PrimBoxes& boxes,
     work.done = TreeUpdate::rebuild;
   else if (changes.replaced.empty())
     work.done = TreeUpdate::refit;
+}
+
+/// Tries the top of the tree anew, the oftener the better that paid last time.
+void KeptTree::tend_crown(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
+                          const Tending& how, Executor& executor, bvh::RestructureResult& result) {
+  const double tests = tree_.cost(0);
+  if (!(tree_.excess(0) > noise * tests * tree_.area(0))) return;
+  if (++crown_.waited < crown_.interval) return;
+  const std::uint32_t prims = tree_.prims(0);
+  const std::uint32_t parts = std::clamp(prims / crown_share, least_parts, most_parts);
+  bvh::rebuild_crown(tree_, parts, boxes, builder, executor, result);
+  now_.sah_cost -= result.crown_saving;
+  const double worth = how.rays * result.crown_saving * crown_.waited;
+  const double price =
+      bvh::RestructuringBenefit(tree_, how.costs, 1.0).rebuild_cost(std::min(parts, prims));
+  if (worth > price) crown_.interval = std::max(crown_.interval / 2, 1u);
+  if (worth < 0.5 * price) crown_.interval = std::min(crown_.interval * 2, longest_interval);
+  crown_.waited = 0;
+  // Nothing to be gained at the top: the tree is about as good as one just built.
+  if (result.crown_saving < 0.01 * tests) built_.looseness = now_.looseness;
 }
 
 void KeptTree::learn(const std::vector<bvh::Restructured>& operations) {
@@ -155,7 +234,7 @@ const void* KeptTree::wide_nodes() const {
 }
 
 std::size_t KeptTree::bytes() const {
-  return tree_.bytes() + wide_.bytes();
+  return tree_.bytes() + wide_.bytes() + entered_.capacity();
 }
 
 }  // namespace regraft::accel

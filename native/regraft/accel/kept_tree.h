@@ -24,6 +24,15 @@ struct TreeWork {
   void add(const TreeWork& other);
 };
 
+/// What a tree is built over.
+struct Primitives {
+  std::span<const Aabb> boxes;         ///< of each by its id
+  std::span<const std::uint32_t> ids;  ///< those that are in the tree
+  bvh::BinnedSahBuilder::Config builder;
+  /// By key frame of the shot, where the policy plans for all of it.
+  std::span<const std::vector<Aabb>> key_boxes;
+};
+
 /// A binary tree kept alive from frame to frame by any policy, with the wide layout that rays
 /// traverse: the part that trees of meshes and the top tree share. Holds no geometry: boxes come
 /// with each call.
@@ -32,14 +41,14 @@ class KeptTree {
   /// What is to be done before anything is measured; see `choose_update`.
   TreeUpdate choose(bool topology_changed, bool moved, const Tending& how) const;
 
-  /// Builds the tree anew over the primitives `ids`, primitive i having `boxes[i]`.
-  void build(std::span<const Aabb> boxes, std::span<const std::uint32_t> ids,
-             const bvh::BinnedSahBuilder::Config& builder, const Tending& how, Executor& executor);
+  /// Builds the tree anew.
+  void build(const Primitives& prims, const Tending& how, Executor& executor);
 
   /// Follows the motion of the primitives.
   template <bvh::PrimitiveBounds F>
   void refit(const F& bounds, const Tending& how, Executor& executor) {
     measure_if_asked(how);
+    look_back(how, executor);
     now_ = wants_metrics(how.policy, habit_) ? bvh::refit(tree_, bounds, executor)
                                              : bvh::refit(tree_.bvh, bounds, executor);
   }
@@ -53,12 +62,29 @@ class KeptTree {
   void set_prim_costs(std::vector<double> costs) { tree_.prim_costs = std::move(costs); }
 
   bool exists() const { return exists_; }
+  /// Excess cost of a node as a share of what it costs.
+  double damage(std::uint32_t node) const;
+  /// The nodes that `update` made anew, in no order; the root alone if it was all of them.
+  std::span<const std::uint32_t> made_in(std::uint64_t update) const {
+    return shaped_in_ == update ? std::span<const std::uint32_t>(made_)
+                                : std::span<const std::uint32_t>();
+  }
+  /// The node above `node`, which is not the root; the root where nothing is measured.
+  std::uint32_t parent(std::uint32_t node) const {
+    return tree_.measured() ? tree_.parent(node) : 0;
+  }
   const bvh::Bvh& bvh() const { return tree_.bvh; }
   int width() const { return wide_.width(); }
   /// bvh::WideNode<width>[]; null for the empty tree.
   const void* wide_nodes() const;
+  /// Where rays mark the wide nodes that they enter; read by the next `refit`.
+  std::uint8_t* entered() const { return entered_.data(); }
   Aabb bounds() const { return tree_.bvh.bounds(); }
   double sah_cost() const { return now_.sah_cost; }
+  /// C(root), of what rays entered of late if the tree is measured.
+  double culling_efficiency() const {
+    return tree_.measured() && !tree_.bvh.empty() ? tree_.cost(0) : now_.sah_cost;
+  }
   double wear() const { return now_.wear(built_); }
   std::size_t bytes() const;
 
@@ -66,15 +92,21 @@ class KeptTree {
   /// What predictions are trusted at first: about what operations realise on average.
   static constexpr double first_yield = 0.25;
 
+  bool builds_quickly(std::size_t prims, const Tending& how) const;
+  bvh::Bvh built(const Primitives& prims, const Tending& how, Executor& executor) const;
   void measure_if_asked(const Tending& how);
+  void look_back(const Tending& how, Executor& executor);
   TreeState state(const Tending& how, Executor& executor) const;
   void restructure(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
                    const Tending& how, Executor& executor, TreeWork& work, bvh::Reshaping& changes);
+  void tend_crown(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
+                  const Tending& how, Executor& executor, bvh::RestructureResult& result);
   void learn(const std::vector<bvh::Restructured>& operations);
-  double rebuild_promise() const;
+  double rebuild_promise(double tests) const;
 
   bvh::LivingBvh tree_;
   bvh::WideBvh wide_;
+  mutable std::vector<std::uint8_t> entered_;
   bvh::RefitResult now_;
   bvh::RefitResult built_;
   bvh::LifeTime life_;
@@ -86,8 +118,16 @@ class KeptTree {
     double cost = 0.0;
     double predicted = 0.0;
   } promise_;
+  std::vector<std::uint32_t> made_;  ///< nodes of the last change of shape
+  std::uint64_t shaped_in_ = 0;      ///< the update that did it
+  /// Every how many updates the top of the tree is built anew, and since how many it was not.
+  struct {
+    std::uint32_t interval = 2;
+    std::uint32_t waited = 0;
+  } crown_;
   double ratio_sum_ = 0.0;  ///< of the last build; for `rtdeform`
   Habit habit_;
+  std::uint32_t since_build_ = 0;  ///< updates
   bool exists_ = false;
 };
 

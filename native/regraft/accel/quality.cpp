@@ -141,7 +141,8 @@ Quality Accelerator::quality(const Scene& scene, bool fresh, Executor& executor)
   if (state.tlas.bounds().empty()) return q;
   if (state.kdtree.tree() != nullptr)
     return whole_kdtree(state.kdtree, state.bytes_without_kdtree, executor);
-  q.sah_cost = q.culling_efficiency = state.last.culling_efficiency;
+  q.sah_cost = state.tlas.sah_cost(state.instances);
+  q.culling_efficiency = state.tlas.culling_efficiency(state.instances);
   q.cost_ratio = state.last.cost_ratio;
   q.epo = end_point_overlap(scene, state.instances, state.tlas,
                             state.last_options.layout == Layout::flat);
@@ -158,8 +159,8 @@ Quality Accelerator::quality(const Scene& scene, bool fresh, Executor& executor)
     all.instance_set_changed = true;
     UpdateOptions options = state.last_options;
     options.policy = Policy::rebuild;
-    const double cost =
-        anew.update(scene, all, options, state.last_width, executor).culling_efficiency;
+    anew.update(scene, all, options, state.last_width, executor);
+    const double cost = anew.state_->tlas.sah_cost(anew.state_->instances);
     q.cost_ratio = cost > 0.0 ? q.sah_cost / cost : 1.0;
   }
   return q;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "regraft/accel/key_boxes.h"
 #include "regraft/accel/triangle_bounds.h"
 #include "regraft/bvh/validate.h"
 
@@ -98,7 +99,9 @@ TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances,
   if (work.done == TreeUpdate::rebuild) {
     if (other_prims || !tree_.exists()) collect_primitives(scene, instances, executor);
     list_boxed();
-    tree_.build(boxes_, ids_, builder(), how, executor);
+    KeyBoxes keys;
+    if (how.policy == Policy::shot) keys = key_boxes(scene, instances, flat_, executor);
+    tree_.build({boxes_, ids_, builder(), keys}, how, executor);
     work.nodes_rebuilt = bvh().node_count();
   }
   return work;
@@ -118,15 +121,24 @@ bool Tlas::holds_all() const {
 }
 
 double Tlas::sah_cost(const InstanceSet& instances) const {
-  return layout_ == Layout::flat ? tree_.sah_cost() : cost_through(instances, false);
+  return layout_ == Layout::flat
+             ? tree_.sah_cost()
+             : cost_through(instances, [](const Blas& blas) { return blas.sah_cost(); });
+}
+
+double Tlas::culling_efficiency(const InstanceSet& instances) const {
+  if (layout_ == Layout::flat) return tree_.culling_efficiency();
+  return cost_through(instances, [](const Blas& blas) { return blas.culling_efficiency(); });
 }
 
 double Tlas::unworn_cost(const InstanceSet& instances) const {
-  const double below = layout_ == Layout::flat ? tree_.sah_cost() : cost_through(instances, true);
+  const auto unworn = [](const Blas& blas) { return blas.sah_cost() / blas.wear(); };
+  const double below = layout_ == Layout::flat ? tree_.sah_cost() : cost_through(instances, unworn);
   return below / tree_.wear();
 }
 
-double Tlas::cost_through(const InstanceSet& instances, bool unworn) const {
+double Tlas::cost_through(const InstanceSet& instances,
+                          const std::function<double(const Blas&)>& cost) const {
   const bvh::Bvh& tree = bvh();
   double sum = 0.0;
   const Aabb root = tree.bounds();
@@ -141,16 +153,15 @@ double Tlas::cost_through(const InstanceSet& instances, bool unworn) const {
       open.insert(open.end(), {node.first, node.first + 1});
       continue;
     }
-    for (std::uint32_t i = 0; i < node.count; ++i) {
-      const Blas& blas = instances.tree(tree.prim_ids[node.first + i]);
-      sum += probability * (unworn ? blas.sah_cost() / blas.wear() : blas.sah_cost());
-    }
+    for (std::uint32_t i = 0; i < node.count; ++i)
+      sum += probability * cost(instances.tree(tree.prim_ids[node.first + i]));
   }
   return sum;
 }
 
 void Tlas::show(trace::TraceView& view) const {
   view.top_nodes = tree_.wide_nodes();
+  view.entered = tree_.entered();
   view.width = tree_.width();
   view.top_prims = bvh().prim_ids.data();
   view.flat = layout_ == Layout::flat ? flat_.data() : nullptr;

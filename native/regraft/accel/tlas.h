@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,12 @@ class Tlas {
                   Executor& executor);
 
   Aabb bounds() const { return tree_.bounds(); }
+  const KeptTree& tree() const { return tree_; }
   const bvh::Bvh& bvh() const { return tree_.bvh(); }
   /// Expected tests of a ray that hits the scene's box, down through the instances' trees.
   double sah_cost(const InstanceSet& instances) const;
+  /// The same for what rays entered of late, where the trees know it.
+  double culling_efficiency(const InstanceSet& instances) const;
   /// The same if no tree had worn since its last build.
   double unworn_cost(const InstanceSet& instances) const;
 
@@ -42,7 +46,8 @@ class Tlas {
   void collect_primitives(const Scene& scene, const InstanceSet& instances, Executor& executor);
   void list_boxed();
   void weigh(const InstanceSet& instances);
-  double cost_through(const InstanceSet& instances, bool unworn) const;
+  double cost_through(const InstanceSet& instances,
+                      const std::function<double(const Blas&)>& cost) const;
 
   Layout layout_ = Layout::two_level;
   KeptTree tree_;

@@ -23,6 +23,7 @@ TreeUpdate choose_update(const TreeState& tree, Policy policy) {
     case Policy::rebuild:
       return TreeUpdate::rebuild;
     case Policy::refit:
+    case Policy::shot:
       return TreeUpdate::refit;
     case Policy::rtdeform:
       return tree.refitted && tree.ratio_change > rtdeform_change ? TreeUpdate::rebuild
@@ -52,6 +53,7 @@ bool wants_metrics(Policy policy, const Habit& habit) {
     case Policy::refit:
     case Policy::rebuild:
     case Policy::rtdeform:
+    case Policy::shot:
       break;
   }
   return false;
@@ -71,6 +73,8 @@ std::string_view name(Policy policy) {
       return "selective";
     case Policy::selective_rotate:
       return "selective+rotate";
+    case Policy::shot:
+      return "shot";
     case Policy::automatic:
       break;
   }

@@ -17,7 +17,8 @@ enum class Policy : std::uint8_t {
   lm,
   rtdeform,
   selective,
-  selective_rotate
+  selective_rotate,
+  shot
 };
 enum class Structure : std::uint8_t { automatic, bvh, kdtree };
 enum class Layout : std::uint8_t { two_level, flat };
@@ -42,7 +43,9 @@ struct Tending {
   int width = 8;
   /// Rays of the last frame that were likely to reach the tree.
   double rays = 0.0;
+  bool traced = false;  ///< trees know what those rays entered
   std::uint32_t frames_left = 0;
+  std::uint64_t update = 0;  ///< number of this update
   bvh::RestructureConfig costs;
 };
 

@@ -18,6 +18,8 @@ struct Instance {
   /// From `Scene::material_list`: the materials of the mesh's slots.
   std::uint32_t material_list = 0;
   std::uint32_t object_index = 0;
+  /// Matrices in key frames of the shot, if the host has told.
+  std::vector<Mat4d> key_transforms;
   bool visible = true;
   bool alive = false;
 };

@@ -68,7 +68,9 @@ std::uint32_t used_normals(std::span<const glm::uvec3> corners) {
 }  // namespace
 
 std::size_t Mesh::bytes() const {
-  return vertices.capacity() * sizeof(Vec3) + triangles.capacity() * sizeof(Triangle) +
+  std::size_t keys = 0;
+  for (const std::vector<Vec3>& frame : key_vertices) keys += frame.capacity() * sizeof(Vec3);
+  return keys + vertices.capacity() * sizeof(Vec3) + triangles.capacity() * sizeof(Triangle) +
          slots.capacity() * sizeof(std::uint16_t) + normal_ids.capacity() * sizeof(glm::uvec3);
 }
 

@@ -27,6 +27,8 @@ struct Mesh {
   std::uint32_t normal_count = 0;
   std::uint32_t instance_count = 0;
   bool alive = false;
+  /// Positions in key frames of the shot, if the host has told.
+  std::vector<std::vector<Vec3>> key_vertices;
 
   /// Of the arrays, with what they have in reserve.
   std::size_t bytes() const;

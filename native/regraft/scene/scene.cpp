@@ -98,7 +98,26 @@ void Scene::set_vertices(std::uint32_t id, std::span<const Vec3> vertices) {
 void Scene::set_mesh(std::uint32_t id, const MeshData& data) {
   Mesh& mesh = checked_mesh(id);
   assign(mesh, data, check_mesh_data(data, label(mesh, id)));
+  mesh.key_vertices = {};
   changes_.mesh_retopologised(id);
+}
+
+void Scene::set_key_vertices(std::uint32_t id, std::vector<std::vector<Vec3>> frames) {
+  Mesh& mesh = checked_mesh(id);
+  for (const std::vector<Vec3>& frame : frames)
+    if (frame.size() != mesh.vertices.size())
+      refuse(label(mesh, id) + ": key frames of " + std::to_string(frame.size()) + " vertices, " +
+             std::to_string(mesh.vertices.size()) + " wanted");
+  mesh.key_vertices = std::move(frames);
+}
+
+void Scene::set_key_transforms(std::uint32_t id, std::vector<Mat4d> frames) {
+  Instance& instance = checked_instance(id);
+  for (Mat4d& frame : frames) {
+    if (!is_affine(frame)) refuse(label(instance, id) + ": " + not_affine(frame));
+    frame = affine(frame);
+  }
+  instance.key_transforms = std::move(frames);
 }
 
 void Scene::remove_mesh(std::uint32_t id) {

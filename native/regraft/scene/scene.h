@@ -27,6 +27,10 @@ class Scene {
   /// Positions that are equal bit for bit are no change.
   void set_vertices(std::uint32_t mesh, std::span<const Vec3> vertices);
   void set_mesh(std::uint32_t mesh, const MeshData& data);
+  /// Where a mesh's vertices, or an instance, will be in key frames of the shot: no change, but
+  /// read when trees are built to last. A mesh forgets them with its triangles.
+  void set_key_vertices(std::uint32_t mesh, std::vector<std::vector<Vec3>> frames);
+  void set_key_transforms(std::uint32_t instance, std::vector<Mat4d> frames);
   /// Throws while instances use the mesh.
   void remove_mesh(std::uint32_t mesh);
 

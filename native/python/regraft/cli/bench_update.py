@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import argparse
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from regraft.cli import options
+from regraft.cli import job, options
 from regraft.cli.console import Console
 from regraft.cli.errors import EXIT_OK, InputError
 from regraft.cli.interrupt import Interrupt
-from regraft.cli.job import LAYOUTS, POLICIES
 from regraft.cli.machine import machine, machine_line, save_result
 from regraft.cli.recording import Recording, recorded
-from regraft.study import aging, aging_table, local_motion
+from regraft.study import aging, aging_table, local_motion, size_scaling
 from regraft.study.shot import Shot
 
+POLICIES, LAYOUTS = (*job.POLICIES, "shot"), job.LAYOUTS
 FILES = tuple(
     Path("blend_files", f"{name}.blend")
     for name in ("explosion", "n_body", "cloth", "robots", "mixed")
@@ -34,7 +34,8 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         description="Replay shots on scenes that differ in policy and layout only, taking turns "
         "frame by frame; print seconds of updating and tracing, the trees' cost beside fresh "
         "ones, and what was mended. Without FILE: explosion, n_body, cloth, robots, mixed from "
-        "blend_files/ and a landscape of 1,000,000 triangles of which 16,000 move.",
+        "blend_files/ and a landscape of 1,000,000 triangles of which 16,000 move; then what "
+        "mending costs in landscapes of growing size.",
     )
     parser.set_defaults(run=run)
     parser.add_argument(
@@ -53,6 +54,13 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         default=LAYOUTS,
         metavar="A,B",
         help=f"of {', '.join(LAYOUTS)} (default: both)",
+    )
+    parser.add_argument(
+        "--sizes",
+        type=options.list_of_numbers(1_000, 20_000_000),
+        metavar="N,N,…",
+        help="triangles of the growing landscapes; with FILE none (default: "
+        f"{','.join(map(str, size_scaling.SIZES))})",
     )
     parser.add_argument("--frames", type=options.frames, metavar="1-100", help="(default: all)")
     parser.add_argument(
@@ -90,6 +98,9 @@ def run(args: argparse.Namespace, console: Console) -> int:
         for name, shot in _shots(args, console, interrupt):
             result["shots"][name] = _measure(name, shot, args, console, interrupt)
             save_result(args.output, result)
+        if sizes := args.sizes or (() if args.files else size_scaling.SIZES):
+            result["sizes"] = _sizes(sizes, args, console, interrupt)
+            save_result(args.output, result)
     console.say(f"JSON: {args.output}")
     return EXIT_OK
 
@@ -111,6 +122,23 @@ def _measure(
     for line in aging_table.lines(totals):
         console.say(line)
     return {"totals": totals, "rows": rows}
+
+
+def _sizes(
+    sizes: Sequence[int], args: argparse.Namespace, console: Console, interrupt: Interrupt
+) -> dict[str, Any]:
+    with console.progress(len(sizes), "sizes") as progress:
+
+        def tick(size: int) -> None:
+            progress.step(f"{size} triangles", str(size))
+            interrupt.check()
+
+        rows = list(size_scaling.measure(sizes, args.threads, tick))
+    console.say(f"mending {size_scaling.MOVING} moving triangles in larger and larger models")
+    for line in size_scaling.lines(rows):
+        console.say(line)
+    slope = size_scaling.slope(rows, "select_total_ms") if len(rows) > 1 else None
+    return {"rows": rows, "slope": slope}
 
 
 def _shots(

@@ -71,6 +71,12 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
     return parse
 
 
+def list_of_numbers(low: int, high: int) -> Callable[[str], tuple[int, ...]]:
+    """A type for argparse: comma-separated integers in [low, high]."""
+    number = whole_number(low, high)
+    return lambda text: tuple(number(part.strip()) for part in text.split(","))
+
+
 def file_with_suffix(suffix: str) -> Callable[[str], Path]:
     """A type for argparse: a path that must end in `suffix`."""
 

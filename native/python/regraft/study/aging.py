@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import regraft
-from regraft.study import fingerprint
+from regraft.study import fingerprint, key_frames
 from regraft.study.shot import Shot
 
 Row = dict[str, Any]
@@ -84,12 +84,15 @@ def measure_frame(
 ) -> Row:
     """Takes `scene` to the frame at `position` and measures update and trace."""
     shot.apply(position, scene, leave_out=frozenset({"set_lights"}))
-    updated = scene.update(
+    if contestant.policy == "shot":
+        key_frames.give(shot, scene, position)
+    done = scene.update(
         policy=contestant.policy,
         layout=contestant.layout,
         structure=contestant.structure,
         frames_left=len(shot) - position,
-    ).as_dict()
+    )
+    updated = done.as_dict()
     size, camera = settings.size, shot.camera(position)
     passes = fingerprint.PASSES if settings.fingerprint else ("combined",)
     picture = scene.render(camera, size, size, shading="direct", passes=passes)
@@ -97,6 +100,10 @@ def measure_frame(
     row: Row = {"frame": shot.frames[position], **asdict(contestant)}
     row |= {name: updated[name] for name in UPDATE_FIELDS}
     row |= {name: traced[name] for name in TRACE_FIELDS}
+    row["select_ms"] = done.select_ms
+    predicted, realised = done.predicted_benefits, done.realised_savings
+    row["predictions"] = len(predicted)
+    row["predictions_right"] = int((abs(predicted - realised) <= 0.25 * realised).sum())
     row["cost_ratio"] = None
     if settings.fresh_every and position % settings.fresh_every == settings.fresh_every - 1:
         row["cost_ratio"] = scene.quality(fresh=True)["cost_ratio"]

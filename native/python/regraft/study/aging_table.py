@@ -48,6 +48,9 @@ def _total(layout: str, policy: str, rows: Sequence[Row]) -> Row:
         "pairs_restructured": sum(row["pairs_restructured"] for row in later),
         "nodes_rebuilt": sum(row["nodes_rebuilt"] for row in later),
         "correlation": correlation(later),
+        "select_share": sum(row["select_ms"] for row in later) / max(sum(updates + traces), 1e-9),
+        "predictions": sum(row["predictions"] for row in later),
+        "predictions_right": sum(row["predictions_right"] for row in later),
     }
 
 
@@ -75,6 +78,7 @@ def lines(totalled: Sequence[Row]) -> Iterator[str]:
             if row["layout"] == layout:
                 yield _line(row)
         yield from _speed_ups([row for row in totalled if row["layout"] == layout])
+        yield from _metric([row for row in totalled if row["layout"] == layout])
 
 
 def _line(row: Row) -> str:
@@ -90,6 +94,19 @@ def _line(row: Row) -> str:
 def number(value: float | None, width: int) -> str:
     """`value` to three decimals, right-aligned; a dash for None."""
     return f"{'–':>{width}}" if value is None else f"{value:>{width}.3f}"
+
+
+def _metric(rows: Sequence[Row]) -> Iterator[str]:
+    """How well the metric told what rays would do."""
+    for row in rows:
+        if row["policy"] != OURS:
+            continue
+        r = "–" if row["correlation"] is None else f"{row['correlation']:.3f}"
+        yield (
+            f"    {OURS}: correlation of predicted and observed tests {r}; "
+            f"{row['predictions_right']} of {row['predictions']} benefits within 25 %; "
+            f"mending is {row['select_share']:.1%} of update and trace"
+        )
 
 
 def _speed_ups(rows: Sequence[Row]) -> Iterator[str]:

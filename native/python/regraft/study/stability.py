@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 import regraft
-from regraft.study import offers
+from regraft.study import key_frames, offers
 from regraft.study.mirror import Mirror
 from regraft.study.shot import Shot
 
@@ -207,6 +207,8 @@ def _play(shot: Shot, side: int, threads: int, step: float, policy: str) -> Iter
     mirror = Mirror(regraft.Scene(threads=threads), step)
     for position in range(len(shot)):
         shot.apply(position, mirror)
+        if policy == "shot":
+            key_frames.give(shot, mirror.scene, position)
         mirror.update(policy=policy)
         if position and mirror.counts()["triangles"]:
             rays = _through(mirror.bounds(), side * side // 4, position)
