@@ -8,7 +8,7 @@ import logging
 import bpy
 
 from . import compat, engine, handlers, session
-from .ui import operators, panels, properties
+from .ui import operators, overlay, panels, properties
 
 log = logging.getLogger(__name__)
 
@@ -27,6 +27,7 @@ def register() -> None:
             bpy.utils.register_class(cls)
     properties.attach()
     panels.attach()
+    overlay.attach()
     handlers.register()
     # As a Python module, bpy 4.5 hangs at exit while a handler or class is still registered.
     if getattr(bpy.app, "module", False):
@@ -41,6 +42,7 @@ def unregister() -> None:
     atexit.unregister(unregister)
     session.close_all()
     handlers.unregister()
+    overlay.detach()
     panels.detach()
     properties.detach()
     for cls in reversed(CLASSES):

@@ -21,6 +21,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import bpy
+import numpy as np
+import numpy.typing as npt
 
 from . import compat
 from .sync.delta import SceneDelta, SceneMirror
@@ -69,6 +71,17 @@ def new_scene(threads: int) -> Any:
     return compat.native().Scene(threads=threads)
 
 
+@dataclass(frozen=True)
+class Nodes:
+    """Nodes of the trees `depth` levels below the root after one update: boxes (N, 2, 3) in the
+    world, damage (N,); and the boxes (M, 2, 3) of those that this update made anew."""
+
+    depth: int
+    boxes: npt.NDArray[np.float64]
+    damage: npt.NDArray[np.float64]
+    rebuilt: npt.NDArray[np.float64]
+
+
 class Session:
     """One native scene, and what is needed to keep it like Blender's."""
 
@@ -78,6 +91,7 @@ class Session:
         self.is_open = True
         # Set by a viewport: stops whatever still traces the scene in another thread.
         self.stop_tracing: Callable[[], None] = lambda: None
+        self._nodes: Nodes | None = None
         self._reader = DepsgraphReader()
         self._mirror = SceneMirror(self.scene)
 
@@ -99,6 +113,7 @@ class Session:
             delta = self._reader.read(depsgraph, view=view, everything=everything)
             if not delta.is_empty():
                 self.stop_tracing()
+                self._nodes = None
                 self._mirror.apply(delta)
         except Exception:
             close(self)
@@ -114,6 +129,16 @@ class Session:
             frames_left=frames_left,
             camera=camera,
         )
+
+    def nodes_at(self, depth: int) -> Nodes | None:
+        """The trees' nodes after the last update; None while the scene waits for the next one."""
+        if self._nodes is None or self._nodes.depth != depth:
+            try:
+                batch, rebuilt = self.scene.damaged_nodes(depth), self.scene.rebuilt_nodes()
+            except RuntimeError:
+                return None
+            self._nodes = Nodes(depth, batch.boxes, batch.damage, rebuilt.boxes)
+        return self._nodes
 
 
 _sessions: dict[Key, Session] = {}
@@ -135,6 +160,17 @@ def session_for(
     if session is None:
         session = _sessions[key] = Session(options.threads)
     return session
+
+
+def seen_by(
+    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, space: bpy.types.SpaceView3D
+) -> Session | None:
+    """The session that a viewport shows, or else that of the last final frame."""
+    for purpose in (space.as_pointer(), FINAL):
+        session = _sessions.get((scene.name_full, layer.name, purpose))
+        if session is not None:
+            return session
+    return None
 
 
 def close(session: Session) -> None:

@@ -35,6 +35,12 @@ def run_in_window(blender: Blender, script: Path, folder: Path) -> str:
 if WINDOWED:
 
     @pytest.mark.parametrize("blender", WINDOWED, indirect=True)
+    def test_boxes_of_nodes(addon_blender: Blender, tmp_path: Path) -> None:
+        output = run_in_window(addon_blender, INSIDE / "window_nodes.py", tmp_path)
+        assert " checks passed" in output
+        assert "Traceback" not in output
+
+    @pytest.mark.parametrize("blender", WINDOWED, indirect=True)
     def test_viewport_and_buttons(addon_blender: Blender, tmp_path: Path) -> None:
         output = run_in_window(addon_blender, INSIDE / "window_viewport.py", tmp_path)
         assert " checks passed" in output

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import bpy
 
 from .. import compat, session
 from ..handlers import ENGINE
+from . import graph
 
 # Panels of Blender's own that say nothing about Regraft's pictures.
 FOREIGN = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes"}
@@ -49,6 +51,34 @@ def draw_settings(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     column.prop(settings, "structure")
     column.prop(settings, "layout")
     column.prop(settings, "threads")
+
+
+PREDICTED: graph.Colour = (0.35, 0.65, 0.95, 1.0)
+OBSERVED: graph.Colour = (0.55, 0.85, 0.40, 1.0)
+GRAPH_FRAMES = 100
+GRAPH_SCALE = 8.0
+
+_graph = graph.GraphIcon()
+
+
+def draw_costs(layout: bpy.types.UILayout, rows: list[dict[str, Any]]) -> None:
+    """Predicted and observed cost of the last frames as a graph."""
+    rows = rows[-GRAPH_FRAMES:]
+    predicted = [row.get("culling_efficiency") or math.nan for row in rows]
+    observed = [row.get("observed_cost") or math.nan for row in rows]
+    finite = [value for value in predicted + observed if math.isfinite(value)]
+    if len(rows) < 2 or not finite:
+        return
+    highest = max(finite)
+    rebuilt = [bool(row.get("nodes_rebuilt")) for row in rows]
+    key = (len(rows), tuple(predicted), tuple(observed))
+    lines = (graph.Line(predicted, PREDICTED), graph.Line(observed, OBSERVED))
+    box = layout.box().column(align=True)
+    box.label(text=f"Tests a ray, 0 to {readable('', highest)}")
+    box.template_icon(_graph.icon(key, graph.draw(lines, rebuilt, highest)), scale=GRAPH_SCALE)
+    box.label(text="Blue: predicted")
+    box.label(text="Green: observed")
+    box.label(text="Orange: nodes rebuilt")
 
 
 def draw_problem(layout: bpy.types.UILayout, room: int) -> bool:
@@ -172,7 +202,25 @@ class REGRAFT_PT_statistics(SidebarPanel, bpy.types.Panel):
             self.layout.label(text="Nothing was rendered yet")
             return
         self.layout.operator("regraft.save_statistics", icon="FILE_TICK")
+        draw_costs(self.layout, session.history())
         draw_statistics(self.layout, statistics, room_for(context))
+
+
+class REGRAFT_PT_overlay(SidebarPanel, bpy.types.Panel):
+    """What is drawn over the viewports"""
+
+    bl_label = "Overlay"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """The switch and the depth."""
+        layout = self.layout
+        layout.use_property_split = True
+        settings = context.scene.regraft
+        layout.prop(settings, "show_nodes")
+        column = layout.column()
+        column.active = settings.show_nodes
+        column.prop(settings, "node_depth")
 
 
 class PropertiesPanel:
@@ -242,6 +290,7 @@ def blenders_panels() -> list[Any]:
 CLASSES = (
     REGRAFT_PT_preview,
     REGRAFT_PT_statistics,
+    REGRAFT_PT_overlay,
     REGRAFT_PT_render,
     REGRAFT_PT_film,
     REGRAFT_PT_passes,
@@ -256,5 +305,6 @@ def attach() -> None:
 
 def detach() -> None:
     """Take Regraft off Blender's panels."""
+    _graph.close()
     for panel in blenders_panels():
         panel.COMPAT_ENGINES.discard(ENGINE)

@@ -35,6 +35,13 @@ LAYOUTS = (
 )
 
 
+def _redraw(_settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
 class RegraftSceneSettings(bpy.types.PropertyGroup):
     """How a scene is previewed."""
 
@@ -76,6 +83,23 @@ class RegraftSceneSettings(bpy.types.PropertyGroup):
         default=0,
         min=0,
         max=1024,
+    )
+    show_nodes: BoolProperty(
+        name="Nodes",
+        description="Draw boxes of the trees' nodes over the viewports: blue where they are in "
+        "order, red where half of what they cost is lost, yellow where they were made anew in this "
+        "frame",
+        default=False,
+        update=_redraw,
+    )
+    node_depth: IntProperty(
+        name="Depth",
+        description="How many levels below the root the drawn nodes are",
+        default=6,
+        min=0,
+        max=60,
+        soft_max=16,
+        update=_redraw,
     )
     use_headlight: BoolProperty(
         name="Headlight",

@@ -14,6 +14,10 @@ import bpy
 import numpy as np
 
 TEMPORARY = Path(sys.argv[1]) if len(sys.argv) > 1 else Path.cwd()
+# Corners and faces of a cube of side 2 about the origin.
+CUBE = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+
 SQUARE = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
-from harness import TEMPORARY, add, blank, grid, mesh, paint, part
+from harness import CUBE, SIDES, TEMPORARY, add, blank, grid, mesh, paint, part
 from mathutils import Quaternion, Vector
 from window import (
     Waiting,
@@ -24,8 +24,6 @@ from window import (
     viewport,
 )
 
-CUBE = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 PLACE = Vector((0.7, 0.4, 0.3))
 
 
