@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "regraft/accel/accelerator_state.h"
 #include "regraft/accel/structure_choice.h"
@@ -63,6 +64,7 @@ void Accelerator::State::note(const ChangeSet& changes, std::size_t mesh_count) 
   blases.resize(mesh_count);
   normals.resize(mesh_count);
   pending.resize(mesh_count, Pending::none);
+  looked_at.resize(mesh_count, updates);
   pending_normals.resize(mesh_count, Pending::none);
   for (const std::uint32_t id : changes.removed_meshes) {
     blases[id] = {};
@@ -113,14 +115,24 @@ std::vector<double> Accelerator::State::rays_by_mesh(const Scene& scene) const {
   return rays;
 }
 
+/// What is to be expected of a mesh's rays: what there was a frame since it was last updated. Area
+/// says nothing of that where a backdrop makes the scene's box huge. `expected`, unless empty, is
+/// for a mesh whose rays were not seen.
+double Accelerator::State::rays_of(std::uint32_t mesh, std::span<const double> expected,
+                                   std::uint64_t update) {
+  const double taken = blases[mesh].take_rays();
+  const double frames = double(update - std::exchange(looked_at[mesh], update));
+  return expected.empty() || taken > 0.0 ? taken / std::fmax(frames, 1.0) : expected[mesh];
+}
+
 TreeWork Accelerator::State::update_meshes(const Scene& scene, std::span<const std::uint32_t> todo,
                                            Layout layout, const Tending& how, Executor& executor) {
   std::vector<TreeWork> work(todo.size());
-  const std::vector<double> rays = rays_by_mesh(scene);
+  const std::vector<double> rays = how.traced ? std::vector<double>() : rays_by_mesh(scene);
   const auto update_one = [&](std::size_t i) {
     const std::uint32_t id = todo[i];
     Tending mine = how;
-    mine.rays = rays[id];
+    mine.rays = rays_of(id, rays, how.update);
     work[i] = blases[id].update(scene.meshes()[id], pending[id] == Pending::topology, layout, mine,
                                 executor);
     pending[id] = Pending::none;

@@ -24,6 +24,7 @@ struct Accelerator::State {
   std::vector<ShadingNormals> normals;
   std::vector<Pending> pending;
   std::vector<Pending> pending_normals;
+  std::vector<std::uint64_t> looked_at;  ///< the update that last asked a mesh for its rays
   InstanceSet instances;
   Tlas tlas;
   KdtreeScene kdtree;
@@ -48,6 +49,7 @@ struct Accelerator::State {
   std::vector<std::uint8_t> seen_meshes(const Scene& scene) const;
   Tending tending(const UpdateOptions& options, int width);
   std::vector<double> rays_by_mesh(const Scene& scene) const;
+  double rays_of(std::uint32_t mesh, std::span<const double> expected, std::uint64_t update);
   TreeWork update_meshes(const Scene& scene, std::span<const std::uint32_t> todo, Layout layout,
                          const Tending& how, Executor& executor);
   TreeWork bound_meshes(const Scene& scene, std::span<const std::uint32_t> todo,

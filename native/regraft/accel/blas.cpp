@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
 #include "regraft/accel/key_boxes.h"
 #include "regraft/accel/triangle_bounds.h"
@@ -131,6 +132,11 @@ bool Blas::revived(const Mesh& mesh) const {
                      [&](std::uint32_t t) { return !is_degenerate(mesh, t); });
 }
 
+double Blas::take_rays() {
+  const double cost = tree_.exists() ? tree_.culling_efficiency() : 1.0;
+  return double(tree_.take_work() * trace::sample_every) / std::fmax(cost, 1.0);
+}
+
 trace::MeshView Blas::view(const Mesh& mesh) const {
   trace::MeshView view;
   if (bounds_.empty()) return view;
@@ -138,6 +144,7 @@ trace::MeshView Blas::view(const Mesh& mesh) const {
   view.triangles = &mesh.triangles[0].x;
   view.nodes = tree_.exists() ? tree_.wide_nodes() : nullptr;
   view.entered = tree_.entered();
+  view.work = tree_.work();
   view.prim_ids = only_bounded_ ? nullptr : prims().data();
   view.prim_count = std::uint32_t(only_bounded_ ? mesh.triangles.size() : prims().size());
   view.magnitude = extent_.magnitude();

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "regraft/accel/update_policy.h"
@@ -79,6 +80,10 @@ class KeptTree {
   const void* wide_nodes() const;
   /// Where rays mark the wide nodes that they enter; read by the next `refit`.
   std::uint8_t* entered() const { return entered_.data(); }
+  /// Where sampled rays count the nodes and triangles that they visit.
+  std::uint64_t* work() const { return work_.data(); }
+  /// That count since it was last taken.
+  std::uint64_t take_work() { return std::exchange(work_[0], 0); }
   Aabb bounds() const { return tree_.bvh.bounds(); }
   double sah_cost() const { return now_.sah_cost; }
   /// C(root), of what rays entered of late if the tree is measured.
@@ -107,6 +112,8 @@ class KeptTree {
   bvh::LivingBvh tree_;
   bvh::WideBvh wide_;
   mutable std::vector<std::uint8_t> entered_;
+  /// One number, in memory of its own: rays write to it while trees are moved about.
+  mutable std::vector<std::uint64_t> work_ = {0};
   bvh::RefitResult now_;
   bvh::RefitResult built_;
   bvh::LifeTime life_;

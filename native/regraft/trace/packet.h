@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 #include "regraft/trace/packet_nearest.h"
 #include "regraft/trace/packet_rays.h"
@@ -12,6 +13,19 @@ namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
 /// Rays a node's subtree must still concern for the packet to enter it as one; fewer go on one by
 /// one. Measured: see docs/benchmarks.md.
 inline constexpr int single_below = 8;
+
+/// One packet in `sample_every`, by what its first ray is: the same ones for any number of threads.
+REGRAFT_INLINE bool is_sampled(const RayPacket& rays) {
+  if (rays.active == 0) return false;
+  const int i = std::countr_zero(rays.active);
+  std::uint64_t bits = 0;
+  for (int k = 0; k < 3; ++k) {
+    bits = (bits ^ std::bit_cast<std::uint64_t>(rays.origin[k][i])) * 0x9E3779B97F4A7C15u;
+    bits = (bits ^ std::bit_cast<std::uint64_t>(rays.direction[k][i])) * 0x9E3779B97F4A7C15u;
+    bits ^= bits >> 32;
+  }
+  return bits % sample_every == 0;
+}
 
 /// How the rays of a packet go through nodes.
 enum class Going { together, apart };
@@ -34,6 +48,7 @@ class PacketTracer {
         going_(going),
         cost_(cost),
         alive_(rays.active),
+        sampled_(is_sampled(rays)),
         best_(rays) {}
 
   void run() {
@@ -120,7 +135,7 @@ class PacketTracer {
 
   void single_from_top(std::uint32_t child, int i) {
     Nearest n = best_.at(i);
-    Work work;
+    Work work{0, 0, sampled_};
     const WorldRay ray = load_ray(rays_, std::uint32_t(i));
     trace_top<W, AnyHit>(view_, ray, make_top(view_, ray), child, n, work);
     finish_single(i, n, work);
@@ -226,12 +241,14 @@ class PacketTracer {
   void single_in_mesh(const LocalRay& ray, const InstanceView& instance, std::uint32_t root,
                       int i) {
     Nearest n = best_.at(i);
-    Work work;
+    Work work{0, 0, sampled_};
     trace_mesh<W, AnyHit>(ray, instance, root, n, work);
     finish_single(i, n, work);
   }
 
   void instance_packet(const InstanceView& instance, std::uint64_t mask) {
+    const std::uint64_t before = counters_.nodes_visited + counters_.triangle_tests;
+    const bool sampled = std::exchange(sampled_, false);
     walk_packet(
         WideTree<W>(instance.mesh.nodes, instance.mesh.entered), local_, mask,
         [&](const WideNode<W>& node, int slot, std::uint64_t inside) {
@@ -240,6 +257,8 @@ class PacketTracer {
         [&](std::uint32_t child, int i) {
           single_in_mesh(extract(local_, rays_, i), instance, child, i);
         });
+    sampled_ = sampled;
+    if (sampled) tell(instance.mesh, counters_.nodes_visited + counters_.triangle_tests - before);
   }
 
   /// A triangle on its way through the packet.
@@ -318,6 +337,7 @@ class PacketTracer {
   Going going_;
   std::uint32_t* cost_;
   std::uint64_t alive_;
+  bool sampled_;
   std::uint64_t occluded_ = 0;
   float start_ = 0.0f;
   NearestPacket best_;

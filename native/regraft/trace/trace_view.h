@@ -8,13 +8,19 @@ class KdTree;
 
 namespace regraft::trace {
 
+/// Of so many packets one tells meshes what work it did in them.
+inline constexpr std::uint32_t sample_every = 4;
+
 /// What kernels read of a mesh: raw arrays owned by `Scene` and `Accelerator`.
 struct MeshView {
   const float* vertices = nullptr;           ///< packed x, y, z; object space
   const std::uint32_t* triangles = nullptr;  ///< packed corner indices
   const void* nodes = nullptr;               ///< bvh::WideNode<width>[]; null: it has no tree
   std::uint8_t* entered = nullptr;           ///< as `TraceView::entered`
-  const std::uint32_t* prim_ids = nullptr;   ///< null: all triangles, in order
+  /// Receives the nodes and triangles that sampled packets visited in this mesh. Written by all
+  /// threads, read by the next update.
+  std::uint64_t* work = nullptr;
+  const std::uint32_t* prim_ids = nullptr;  ///< null: all triangles, in order
   std::uint32_t prim_count = 0;
   float magnitude = 0.0f;  ///< largest |coordinate| of the root's box
   double center[3]{};      ///< of the root's box

@@ -28,7 +28,15 @@ struct StackEntry {
 struct Work {
   std::uint32_t nodes = 0;
   std::uint32_t tests = 0;
+  bool sampled = false;  ///< what is done in a mesh is told to the mesh
+
+  std::uint32_t all() const { return nodes + tests; }
 };
+
+REGRAFT_INLINE void tell(const MeshView& mesh, std::uint64_t work) {
+  if (mesh.work == nullptr) return;
+  std::atomic_ref<std::uint64_t>(*mesh.work).fetch_add(work, std::memory_order_relaxed);
+}
 
 /// Which slots the ray enters in [start, limit]; `near` receives where.
 template <int W>
@@ -153,12 +161,14 @@ template <int W, bool AnyHit>
 REGRAFT_INLINE bool trace_mesh(const LocalRay& ray, const InstanceView& instance,
                                std::uint32_t root, Nearest& nearest, Work& work) {
   const WideTree<W> tree(instance.mesh.nodes, instance.mesh.entered);
+  const std::uint32_t before = work.all();
   bool found = false;
   walk<W>(tree, root, ray, local_start(ray), local_limit(ray, nearest.t), work,
           [&](std::uint32_t begin, std::uint32_t count, float& limit) {
             return found = test_prims<AnyHit>(ray, instance, instance.mesh.prim_ids + begin,
                                               int(count), limit, nearest, work);
           });
+  if (work.sampled) tell(instance.mesh, work.all() - before);
   return found;
 }
 
