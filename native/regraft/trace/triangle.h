@@ -120,7 +120,8 @@ struct EdgeTest {
       const Float<N> noise = ((highest(x) - lowest(x)) * (highest(y) - lowest(y))) * (z_hi - z_lo);
       const Float<N> least(0x1p-100f);
       ill = ~(noise + least < size * distance);
-      error = Float<N>(0x1p-18f) * ((noise + least * (distance + Float<N>(1.0f))) / size + distance);
+      error =
+          Float<N>(0x1p-18f) * ((noise + least * (distance + Float<N>(1.0f))) / size + distance);
     }
   };
 
@@ -192,11 +193,10 @@ REGRAFT_INLINE void test_triangles(const LocalRay& ray, const MeshView& mesh,
   }
   // A hit before the instance's box begins is reported where it begins.
   const bool starts_inside = ray.entry < ray.t_near;
-  const EdgeTest<4> test(
-      relative[0], relative[1], relative[2], Float4(ray.shear[0]), Float4(ray.shear[1]),
-      Float4(ray.shear[2]), [&](const Float4& latest) {
-        return starts_inside ? latest < Float4(local_start(ray)) : LaneBits(0);
-      });
+  const EdgeTest<4> test(relative[0], relative[1], relative[2], Float4(ray.shear[0]),
+                         Float4(ray.shear[1]), Float4(ray.shear[2]), [&](const Float4& latest) {
+                           return starts_inside ? latest < Float4(local_start(ray)) : LaneBits(0);
+                         });
   LaneBits lanes = test.hit & ((1u << count) - 1u);
   if (lanes == 0) return;
 
