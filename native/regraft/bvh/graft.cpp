@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 
 #include "regraft/bvh/cut.h"
 #include "regraft/bvh/share_out.h"

@@ -44,7 +44,8 @@ TEST(Crown, KeepsATreeOfClustersAsGoodAsNew) {
 }
 
 TEST(Crown, NeverMakesATreeWorse) {
-  for (const std::size_t parts : {std::size_t(2), std::size_t(3), std::size_t(50), std::size_t(5000)}) {
+  for (const std::size_t parts :
+       {std::size_t(2), std::size_t(3), std::size_t(50), std::size_t(5000)}) {
     Living t(random_boxes(1000, 8, 1.0, 0.02));
     for (std::uint64_t f = 1; f < 4; ++f) {
       t.move(random_boxes(1000, 8 + f % 2, 1.0, 0.02).boxes);
