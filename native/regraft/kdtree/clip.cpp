@@ -14,6 +14,13 @@ struct Polygon {
   Vec3d corner[9];  // not initialised: few are used
   int count = 0;
 
+  Polygon() = default;
+  Polygon(const Polygon& other) { *this = other; }
+  Polygon& operator=(const Polygon& other) {
+    count = other.count;
+    for (int i = 0; i < count; ++i) corner[i] = other.corner[i];
+    return *this;
+  }
   void add(const Vec3d& p) { corner[count++] = p; }
 };
 
@@ -47,8 +54,11 @@ struct Extent {
   Aabb within(const Vec3d& margin, const Aabb& voxel) const {
     Aabb box;
     for (int k = 0; k < 3; ++k) {
-      box.lo[k] = std::fmax(round_down(lo[k] - margin[k]), voxel.lo[k]);
-      box.hi[k] = std::fmin(round_up(hi[k] + margin[k]), voxel.hi[k]);
+      // fmax is a call; nothing here is NaN.
+      const float below = round_down(lo[k] - margin[k]);
+      const float above = round_up(hi[k] + margin[k]);
+      box.lo[k] = below > voxel.lo[k] ? below : voxel.lo[k];
+      box.hi[k] = above < voxel.hi[k] ? above : voxel.hi[k];
     }
     return box.empty() ? Aabb{} : box;
   }
@@ -61,7 +71,10 @@ class Clipping {
     for (const Vec3d& corner : corners) {
       room_[0].add(corner);
       whole_.extend(corner);
-      for (int k = 0; k < 3; ++k) largest_ = std::fmax(largest_, std::fabs(corner[k]));
+      for (int k = 0; k < 3; ++k) {
+        const double size = std::fabs(corner[k]);
+        largest_ = size > largest_ ? size : largest_;
+      }
     }
   }
 

@@ -1,7 +1,5 @@
 #include "regraft/kdtree/refinement.h"
 
-#include <cmath>
-
 namespace regraft::kdtree {
 
 bool cut(Aabb& box, const Aabb& voxel) {
@@ -10,8 +8,8 @@ bool cut(Aabb& box, const Aabb& voxel) {
     const bool flat = lo == hi || voxel.lo[k] == voxel.hi[k];
     if (flat ? lo > voxel.hi[k] || hi < voxel.lo[k] : lo >= voxel.hi[k] || hi <= voxel.lo[k])
       return false;
-    box.lo[k] = std::fmax(lo, voxel.lo[k]);
-    box.hi[k] = std::fmin(hi, voxel.hi[k]);
+    box.lo[k] = lo > voxel.lo[k] ? lo : voxel.lo[k];
+    box.hi[k] = hi < voxel.hi[k] ? hi : voxel.hi[k];
   }
   return true;
 }
