@@ -90,6 +90,16 @@ def test_a_much_faster_policy_is_preferred_to_auto() -> None:
     )
 
 
+def test_a_tree_let_go_is_not_called_kept() -> None:
+    spoilt = [
+        dict(r, observed_cost=90.0, trace_ms=1.0) if (r["policy"], r["frame"]) == ("auto", 4) else r
+        for r in AGES
+    ]
+    said = update_verdict.sentence(update.totals(spoilt))
+    assert "auto is the fastest for this shot, at 6 % of the time of rebuilding" in said
+    assert "(at worst 9.00×, in frame 4)" in said
+
+
 def test_where_nothing_changes_any_policy_will_do() -> None:
     still = [dict(r, nodes_refitted=0, nodes_rebuilt=0) for r in AGES]
     assert "any policy will do" in update_verdict.sentence(update.totals(still))

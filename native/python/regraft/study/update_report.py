@@ -12,8 +12,6 @@ Row = dict[str, Any]
 COLUMNS = {
     "label": "policy",
     "total_s": "total s",
-    "total_s_low": "lower quartile",
-    "total_s_high": "upper quartile",
     "update_s": "update s",
     "trace_s": "trace s",
     "update_share": "update / rebuilding's",
@@ -22,6 +20,8 @@ COLUMNS = {
     "ratio_worst": "worst",
     "worst_frame": "at frame",
     "enough_until": "enough until frame",
+    "total_s_low": "total s, lower quartile",
+    "total_s_high": "upper quartile",
     "pairs_considered": "pairs seen",
     "pairs_restructured": "pairs mended",
     "nodes_refitted": "nodes refitted",

@@ -10,6 +10,8 @@ from regraft.study.update import ENOUGH, YARDSTICK, yardstick
 Row = dict[str, Any]
 # What `auto` may cost more than the fastest before another policy is worth choosing by hand.
 TOLERANCE = 1.05
+# A tree this much worse than a fresh one is not said to be kept.
+ENOUGH_FOR_ALL = 1.5
 # Below this share of tracing, updating does not matter.
 NEGLIGIBLE = 0.01
 
@@ -44,6 +46,12 @@ def _of_chosen(row: Row) -> str:
     if row["policy"] == YARDSTICK:
         return "Rebuilding every frame is the fastest for this shot"
     share = _percent(row["update_share"], 1.0)
+    if row["ratio_worst"] > ENOUGH_FOR_ALL:
+        return (
+            f"{row['label']} is the fastest for this shot, at {share} of the time of rebuilding, "
+            f"though its rays need {row['ratio_median']:.2f}× the tests of a fresh tree "
+            f"(at worst {row['ratio_worst']:.2f}×, in frame {row['worst_frame']})"
+        )
     return (
         f"{row['label']} keeps this shot within {row['ratio_worst']:.2f}× of a fresh tree "
         f"at {share} of the time of rebuilding"
