@@ -89,8 +89,10 @@ Tending Accelerator::State::tending(const UpdateOptions& options, int width) {
     // count for as many as would cost the same.
     frame_rays = std::fmax(double(rays), tests / std::fmax(last.culling_efficiency, 1.0));
   }
-  return {options.policy,      width,     frame_rays,   tests > 0.0,
-          options.frames_left, ++updates, options.costs};
+  // The flat layout's one tree does all the work.
+  return {
+      options.policy,      width,     frame_rays,    tests > 0.0,
+      options.frames_left, ++updates, options.costs, options.layout == Layout::flat ? tests : 0.0};
 }
 
 std::vector<std::uint8_t> Accelerator::State::seen_meshes(const Scene& scene) const {
@@ -115,14 +117,18 @@ std::vector<double> Accelerator::State::rays_by_mesh(const Scene& scene) const {
   return rays;
 }
 
-/// What is to be expected of a mesh's rays: what there was a frame since it was last updated. Area
-/// says nothing of that where a backdrop makes the scene's box huge. `expected`, unless empty, is
-/// for a mesh whose rays were not seen.
-double Accelerator::State::rays_of(std::uint32_t mesh, std::span<const double> expected,
-                                   std::uint64_t update) {
-  const double taken = blases[mesh].take_rays();
-  const double frames = double(update - std::exchange(looked_at[mesh], update));
-  return expected.empty() || taken > 0.0 ? taken / std::fmax(frames, 1.0) : expected[mesh];
+/// Tells a mesh's tree what rays did in it, a frame since it was last updated, and how many average
+/// ones would have done so. Areas do not say: a backdrop makes the scene's box huge, and the share
+/// of what all rays go through next to nothing. `expected`, unless empty, is for rays not seen.
+Tending Accelerator::State::tending_of(std::uint32_t mesh, std::span<const double> expected,
+                                       const Tending& how) {
+  Tending mine = how;
+  const double frames = double(how.update - std::exchange(looked_at[mesh], how.update));
+  mine.work = blases[mesh].take_work() / std::fmax(frames, 1.0);
+  mine.rays = expected.empty() || mine.work > 0.0
+                  ? mine.work / std::fmax(blases[mesh].culling_efficiency(), 1.0)
+                  : expected[mesh];
+  return mine;
 }
 
 TreeWork Accelerator::State::update_meshes(const Scene& scene, std::span<const std::uint32_t> todo,
@@ -131,8 +137,7 @@ TreeWork Accelerator::State::update_meshes(const Scene& scene, std::span<const s
   const std::vector<double> rays = how.traced ? std::vector<double>() : rays_by_mesh(scene);
   const auto update_one = [&](std::size_t i) {
     const std::uint32_t id = todo[i];
-    Tending mine = how;
-    mine.rays = rays_of(id, rays, how.update);
+    const Tending mine = tending_of(id, rays, how);
     work[i] = blases[id].update(scene.meshes()[id], pending[id] == Pending::topology, layout, mine,
                                 executor);
     pending[id] = Pending::none;

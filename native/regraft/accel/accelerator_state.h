@@ -49,7 +49,7 @@ struct Accelerator::State {
   std::vector<std::uint8_t> seen_meshes(const Scene& scene) const;
   Tending tending(const UpdateOptions& options, int width);
   std::vector<double> rays_by_mesh(const Scene& scene) const;
-  double rays_of(std::uint32_t mesh, std::span<const double> expected, std::uint64_t update);
+  Tending tending_of(std::uint32_t mesh, std::span<const double> expected, const Tending& how);
   TreeWork update_meshes(const Scene& scene, std::span<const std::uint32_t> todo, Layout layout,
                          const Tending& how, Executor& executor);
   TreeWork bound_meshes(const Scene& scene, std::span<const std::uint32_t> todo,

@@ -132,11 +132,6 @@ bool Blas::revived(const Mesh& mesh) const {
                      [&](std::uint32_t t) { return !is_degenerate(mesh, t); });
 }
 
-double Blas::take_rays() {
-  const double cost = tree_.exists() ? tree_.culling_efficiency() : 1.0;
-  return double(tree_.take_work() * trace::sample_every) / std::fmax(cost, 1.0);
-}
-
 trace::MeshView Blas::view(const Mesh& mesh) const {
   trace::MeshView view;
   if (bounds_.empty()) return view;

@@ -37,9 +37,8 @@ class Blas {
   double sah_cost() const { return tree_.sah_cost(); }
   double culling_efficiency() const { return tree_.culling_efficiency(); }
   double wear() const { return tree_.wear(); }
-  /// How many average rays would have done the work that rays did in the tree since this was last
-  /// asked.
-  double take_rays();
+  /// Nodes and triangles that rays visited in the tree since this was last asked.
+  double take_work() { return double(tree_.take_work() * trace::sample_every); }
   /// Triangles no ray can meet: not finite, and of zero area when the tree was built.
   std::uint32_t non_finite() const { return non_finite_; }
   std::uint32_t zero_area() const { return zero_area_; }

@@ -29,6 +29,7 @@ TreeUpdate choose_update(const TreeState& tree, Policy policy) {
       return tree.refitted && tree.ratio_change > rtdeform_change ? TreeUpdate::rebuild
                                                                   : TreeUpdate::refit;
     case Policy::automatic:
+      if (tree.overpaid) return TreeUpdate::rebuild;
       if (tree.habit.rebuilds_blindly()) return TreeUpdate::rebuild;
       if (!tree.habit.measures()) return TreeUpdate::refit;
       break;

@@ -47,6 +47,8 @@ struct Tending {
   std::uint32_t frames_left = 0;
   std::uint64_t update = 0;  ///< number of this update
   bvh::RestructureConfig costs;
+  /// Nodes and triangles that the last frame's rays visited in the tree; 0: not known.
+  double work = 0.0;
 };
 
 /// How `auto` has fared with a tree of late.
@@ -70,6 +72,8 @@ struct TreeState {
   bool refitted = false;  ///< what follows was measured in this frame
   /// Whether the tests that a rebuild promises to save are worth its cost.
   bool worth_rebuilding = false;
+  /// Whether rays have lost as much in the tree since its build as another build costs.
+  bool overpaid = false;
   /// Σ A(n)/(A(L)+A(R)) over that just after the build.
   double ratio_change = 1.0;
   Habit habit;
