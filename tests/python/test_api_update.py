@@ -345,3 +345,37 @@ def test_after_random_changes_a_scene_hits_as_one_built_fresh(
         for name in ("t", "prim_id", "u", "v", "normal"):
             assert np.array_equal(getattr(got, name), getattr(want, name)), name
         assert np.array_equal(scene.any_hit(origins, directions), np.isfinite(want.t))
+
+
+def looked_at_from_above(scene: regraft.Scene) -> Any:
+    camera = regraft.Camera("perspective", moved(z=12), (-0.3, 0.3, -0.3, 0.3))
+    return scene.render(camera, 96, 96, shading="clay").statistics
+
+
+def flying_apart(policy: str) -> list[float]:
+    """Tests a ray over ten frames in which 2,000 triangles fly apart above a wide ground."""
+    rng = np.random.default_rng(5)
+    corners = rng.uniform(-0.05, 0.05, (2000, 3, 3))
+    start, speed = rng.uniform(-0.3, 0.3, (2, 2000, 1, 3))
+    scene = regraft.Scene(threads=2)
+    triangles = np.arange(6000, dtype=np.uint32).reshape(-1, 3)
+    mesh = scene.add_mesh((start + corners).reshape(-1, 3).astype(np.float32), triangles)
+    scene.add_instance(mesh)
+    scene.add_instance(
+        scene.add_mesh(
+            np.float32([1000, 1000, 1]) * VERTICES - np.float32([500, 500, 3]), TRIANGLES
+        )
+    )
+    costs = []
+    for frame in range(10):
+        at = start + frame * speed + corners
+        scene.set_vertices(mesh, at.reshape(-1, 3).astype(np.float32))
+        scene.update(policy)
+        costs.append(looked_at_from_above(scene).observed_cost)
+    return costs
+
+
+def test_damage_is_seen_however_wide_the_ground() -> None:
+    fresh = flying_apart("rebuild")
+    assert flying_apart("refit")[-1] > 4 * fresh[-1]
+    assert max(flying_apart("auto")[5:]) < 3 * max(fresh)
