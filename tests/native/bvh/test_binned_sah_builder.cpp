@@ -7,6 +7,7 @@
 
 #include "bvh/boxes.h"
 #include "bvh/traps.h"
+#include "regraft/bvh/part_few.h"
 #include "regraft/bvh/sah.h"
 
 namespace regraft::test {
@@ -40,14 +41,13 @@ TEST(BinnedSahBuilder, PrimitivesThatAreNotAskedForAreLeftOut) {
   EXPECT_EQ(tree.prim_ids.size(), 67u);
 }
 
-TEST(BinnedSahBuilder, BoxesWithoutACostAreParted) {
-  for (const Aabb& box : {Aabb{}, Aabb{Vec3(NAN), Vec3(NAN)}})
-    for (std::uint32_t count = 2; count <= 9; ++count) {
-      BinnedSahBuilder::Config config;
-      config.max_leaf = 1;
-      const Bvh tree = Boxes(std::vector<Aabb>(count, box)).build(1, config);
-      EXPECT_EQ(tree.prim_ids.size(), count);
-      EXPECT_LE(tree.depth, count);
+TEST(FewParted, BoxesWithoutACostArePartedToo) {
+  const Aabb none, nan{Vec3(NAN), Vec3(NAN)};
+  for (const Aabb& b : {none, nan})
+    for (std::size_t count = 2; count <= bvh::FewParted::most; ++count) {
+      const bvh::PrimRef ref{{b.lo.x, b.lo.y, b.lo.z}, 0, {b.hi.x, b.hi.y, b.hi.z}, 0};
+      const std::vector<bvh::PrimRef> refs(count, ref);
+      EXPECT_EQ(bvh::FewParted(refs).left, 1u);
     }
 }
 
