@@ -133,8 +133,13 @@ def test_a_signal_ends_the_work_without_callbacks(
 
 def test_ctrl_c_ends_a_render() -> None:
     scene = crowded()
-    with pytest.raises(KeyboardInterrupt):
-        scene.render(CAMERA, 64, 64, progress=lambda _: signal.raise_signal(signal.SIGINT))
+    # A shell's background jobs start with the signal ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            scene.render(CAMERA, 64, 64, progress=lambda _: signal.raise_signal(signal.SIGINT))
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert not render(scene, 1).cancelled
 
 
