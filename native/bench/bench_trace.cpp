@@ -54,8 +54,9 @@ struct Ours {
     Instance instance;
     instance.mesh = scene.add_mesh({mesh.vertices, mesh.triangles, {}, {}}, "mesh");
     scene.add_instance(instance);
-    accelerator.update(scene, scene.take_changes(), {accel::Policy::rebuild},
-                       trace::kernels(isa).width, executor);
+    accel::UpdateOptions options;
+    options.policy = accel::Policy::rebuild;
+    accelerator.update(scene, scene.take_changes(), options, trace::kernels(isa).width, executor);
   }
 };
 

@@ -362,9 +362,7 @@ def flying_apart(policy: str) -> list[float]:
     mesh = scene.add_mesh((start + corners).reshape(-1, 3).astype(np.float32), triangles)
     scene.add_instance(mesh)
     scene.add_instance(
-        scene.add_mesh(
-            np.float32([1000, 1000, 1]) * VERTICES - np.float32([500, 500, 3]), TRIANGLES
-        )
+        scene.add_mesh((VERTICES * [1000, 1000, 1] - [500, 500, 3]).astype(np.float32), TRIANGLES)
     )
     costs = []
     for frame in range(10):

@@ -110,7 +110,8 @@ def table(result: dict[str, Any]) -> Iterator[str]:
     yield machine_line(result)
     pictures = dict.fromkeys((r["scene"], r["view"]) for r in rows if r["kind"] == "table")
     for scene, view in pictures:
-        group = [r for r in rows if (r["kind"], r["scene"], r.get("view")) == ("table", scene, view)]
+        wanted = ("table", scene, view)
+        group = [r for r in rows if (r["kind"], r["scene"], r.get("view")) == wanted]
         yield from _picture_lines(group)
     for kind, (column, text) in GROWTHS.items():
         points = [r for r in rows if r["kind"] == kind]
