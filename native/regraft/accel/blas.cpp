@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 
 #include "regraft/accel/key_boxes.h"
 #include "regraft/accel/triangle_bounds.h"
@@ -12,6 +13,8 @@ namespace regraft::accel {
 
 namespace {
 constexpr std::size_t grain = 16384;
+/// Triangles that are bounded together where there is no tree.
+constexpr std::size_t run_length = 512;
 
 std::vector<Aabb> all_bounds(const Mesh& mesh, Executor& executor) {
   std::vector<Aabb> boxes(mesh.triangles.size());
@@ -34,6 +37,10 @@ std::vector<std::uint8_t> degenerate_flags(const Mesh& mesh, Executor& executor)
 TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Layout layout, const Tending& how,
                       Executor& executor) {
   const bool other_prims = !exists_ || only_bounded_ || topology_changed || revived(mesh);
+  if (other_prims) moved_.reset(mesh);
+  motion_ = other_prims ? Motion{} : moved_.take(mesh);
+  // Who is lost is only counted, not listed: some were, so all are looked at.
+  if (lost_ != 0) motion_ = {};
   TreeWork work;
   if (layout == Layout::flat) {
     tree_ = {};
@@ -62,6 +69,13 @@ void Blas::sort_out(const Mesh& mesh, Executor& executor) {
   dropped_.clear();
   for (std::uint32_t t = 0; t < degenerate.size(); ++t)
     (degenerate[t] == 0 ? prims_ : dropped_).push_back(t);
+  run_boxes_ = {};
+}
+
+std::uint32_t Blas::place(std::uint32_t t) const {
+  const auto before = std::lower_bound(dropped_.begin(), dropped_.end(), t);
+  if (before != dropped_.end() && *before == t) return invalid_id;
+  return t - std::uint32_t(before - dropped_.begin());
 }
 
 void Blas::bound(const Mesh& mesh, Executor& executor) {
@@ -95,30 +109,44 @@ void Blas::build(const Mesh& mesh, const Tending& how, Executor& executor) {
 void Blas::tend(const Mesh& mesh, const Tending& how, Executor& executor, TreeWork& work) {
   std::atomic<std::uint32_t> lost{0};
   const auto count_lost = [&] { lost.fetch_add(1, std::memory_order_relaxed); };
-  tree_.refit([&](std::uint32_t t) { return fast_triangle_bounds(mesh, t, count_lost); }, how,
-              executor);
+  tree_.refit([&](std::uint32_t t) { return fast_triangle_bounds(mesh, t, count_lost); }, motion_,
+              how, executor);
   tree_.mend([&](std::uint32_t t) { return fast_triangle_bounds(mesh, t); }, {}, how, executor,
              work);
   note_bounds(mesh, tree_.bounds(), lost);
 }
 
+/// Bounds a mesh without a tree: of runs of triangles those in which one moved.
 void Blas::measure(const Mesh& mesh, Executor& executor) {
-  std::vector<bvh::Box4> boxes(prims_.size() / grain + 1);
+  std::vector<std::uint32_t> stale;
+  if (motion_.all || run_boxes_.empty()) {
+    run_boxes_.resize((prims_.size() + run_length - 1) / run_length);
+    stale.resize(run_boxes_.size());
+    std::iota(stale.begin(), stale.end(), 0u);
+  }
+  for (const std::uint32_t t : motion_.prims)
+    if (const std::uint32_t i = place(t); i != invalid_id) stale.push_back(i / run_length);
+  std::sort(stale.begin(), stale.end());
+  stale.erase(std::unique(stale.begin(), stale.end()), stale.end());
   std::atomic<std::uint32_t> lost{0};
-  executor.parallel_for(prims_.size(), grain, [&](std::size_t begin, std::size_t end) {
-    bvh::Box4 box;
-    for (std::size_t i = begin; i < end; ++i)
-      box.extend(fast_triangle_bounds(mesh, prims_[i],
-                                      [&] { lost.fetch_add(1, std::memory_order_relaxed); }));
-    boxes[begin / grain] = box;
+  const auto count_lost = [&] { lost.fetch_add(1, std::memory_order_relaxed); };
+  executor.parallel_for(stale.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t first = stale[i] * run_length;
+      bvh::Box4 box;
+      for (std::size_t p = first; p < std::min(first + run_length, prims_.size()); ++p)
+        box.extend(fast_triangle_bounds(mesh, prims_[p], count_lost));
+      run_boxes_[stale[i]] = box;
+    }
   });
-  for (const bvh::Box4& box : boxes) boxes[0].extend(box);
-  note_bounds(mesh, boxes[0].aabb(), lost);
+  bvh::Box4 all;
+  for (const bvh::Box4& box : run_boxes_) all.extend(box);
+  note_bounds(mesh, all.aabb(), lost);
 }
 
 void Blas::note_bounds(const Mesh& mesh, const Aabb& bounds, std::uint32_t lost) {
   bounds_ = extent_ = bounds;
-  non_finite_ = lost;
+  lost_ = non_finite_ = lost;
   zero_area_ = 0;
   for (const std::uint32_t t : dropped_) {
     const Aabb box = fast_triangle_bounds(mesh, t).aabb();
@@ -152,7 +180,8 @@ trace::MeshView Blas::view(const Mesh& mesh) const {
 }
 
 std::size_t Blas::bytes() const {
-  return tree_.bytes() + (prims_.capacity() + dropped_.capacity()) * sizeof(std::uint32_t);
+  return tree_.bytes() + moved_.bytes() + run_boxes_.capacity() * sizeof(bvh::Box4) +
+         (prims_.capacity() + dropped_.capacity()) * sizeof(std::uint32_t);
 }
 
 std::string Blas::validate(const Mesh& mesh) const {

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "regraft/accel/kept_tree.h"
+#include "regraft/accel/moved_triangles.h"
+#include "regraft/bvh/box4.h"
 #include "regraft/core/executor.h"
 #include "regraft/scene/mesh.h"
 #include "regraft/trace/trace_view.h"
@@ -32,6 +34,10 @@ class Blas {
   std::span<const std::uint32_t> prims() const {
     return tree_.exists() ? tree_.bvh().prim_ids : prims_;
   }
+  /// Where in `prims`, of a mesh without a tree, triangle `t` is; `invalid_id` if it is not.
+  std::uint32_t place(std::uint32_t t) const;
+  /// Which of its triangles the last update found moved; valid until the next.
+  const Motion& motion() const { return motion_; }
   /// Box of those triangles.
   Aabb bounds() const { return bounds_; }
   double sah_cost() const { return tree_.sah_cost(); }
@@ -56,8 +62,12 @@ class Blas {
   bool revived(const Mesh& mesh) const;
 
   KeptTree tree_;
+  MovedTriangles moved_;
+  Motion motion_;
   std::vector<std::uint32_t> prims_;  ///< without a tree, ascending
+  std::vector<bvh::Box4> run_boxes_;  ///< of runs of them
   std::vector<std::uint32_t> dropped_;
+  std::uint32_t lost_ = 0;  ///< of those in the tree that are not finite now
   std::uint32_t non_finite_ = 0;
   std::uint32_t zero_area_ = 0;
   Aabb bounds_;

@@ -9,6 +9,9 @@ namespace regraft::accel {
 
 namespace {
 
+/// What an instance was affected by.
+enum : std::uint8_t { by_nothing, by_mesh, by_matrix };
+
 std::string label(const Scene& scene, std::uint32_t instance) {
   const std::string& name = scene.instances()[instance].name;
   return "instance " + std::to_string(instance) + (name.empty() ? "" : " '" + name + "'");
@@ -151,7 +154,8 @@ bool InstanceSet::choose_origin(const Scene& scene, std::span<const Blas> blases
   return true;
 }
 
-void InstanceSet::place(const Scene& scene, std::size_t i) {
+/// @return whether the slack of boxes in its frame is another than before.
+bool InstanceSet::place(const Scene& scene, std::size_t i) {
   const Instance& instance = scene.instances()[ids_[i]];
   trace::InstanceView& view = views_[i];
   const auto baked = baked_.find(ids_[i]);
@@ -159,6 +163,7 @@ void InstanceSet::place(const Scene& scene, std::size_t i) {
   view.instance_id = ids_[i];
   Mat4d object_to_world = instance.object_to_world;
   if (baked != baked_.end()) object_to_world = glm::translate(Mat4d(1.0), baked->second->center);
+  const float magnitude = view.mesh.magnitude;
   view.mesh = blas.view(mesh(scene, i));
   set_inverse(view, object_to_world);
   frames_[i] = relative(object_to_world, origin_);
@@ -167,6 +172,8 @@ void InstanceSet::place(const Scene& scene, std::size_t i) {
     view.lo[k] = box.lo[k];
     view.hi[k] = box.hi[k];
   }
+  const bool is_exact = view.identity && origin_ == Vec3d(0.0);
+  return view.mesh.magnitude != magnitude && !is_exact;
 }
 
 void InstanceSet::bake(const Scene& scene, std::size_t i, bool topology_changed, Layout layout,
@@ -191,11 +198,11 @@ InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Bla
                                          Layout layout, const Tending& how, Executor& executor) {
   Changes result;
   std::vector<std::uint8_t> affected(scene.instances().size(), 0);
-  for (const std::uint32_t id : changes.moved_instances) affected[id] = 1;
   for (std::uint32_t id = 0; id < affected.size(); ++id) {
     const Instance& instance = scene.instances()[id];
-    if (instance.alive && changed_meshes[instance.mesh] != 0) affected[id] = 1;
+    if (instance.alive && changed_meshes[instance.mesh] != 0) affected[id] = by_mesh;
   }
+  for (const std::uint32_t id : changes.moved_instances) affected[id] = by_matrix;
   if (has_changed(scene, blases, changes, affected)) result.set_changed = collect(scene, blases);
   if ((result.set_changed || wandered_) && choose_origin(scene, blases, executor))
     result.set_changed = true;
@@ -222,8 +229,10 @@ InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Bla
         baked == baked_.end() ? &blases[scene.instances()[ids_[i]].mesh] : &baked->second->blas;
   }
   blases_ = blases.data();
+  result.as_a_whole.resize(stale.size());
   executor.parallel_for(stale.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) place(scene, stale[i]);
+    for (std::size_t i = begin; i < end; ++i)
+      result.as_a_whole[i] = place(scene, stale[i]) || affected[ids_[stale[i]]] != by_mesh;
   });
   layout_ = layout;
   result.moved = std::move(stale);

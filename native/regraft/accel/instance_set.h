@@ -24,6 +24,9 @@ class InstanceSet {
     bool set_changed = false;  ///< other instances than before, or another origin
     /// Instances whose box or matrix was recomputed, by their place in `views`.
     std::vector<std::size_t> moved;
+    /// For each of those: whether all of it may have moved in the world, and not only those
+    /// triangles that moved in its mesh.
+    std::vector<std::uint8_t> as_a_whole;
     /// Work on trees of baked instances; `done` is the most that was done to any of them.
     TreeWork baked;
   };
@@ -60,7 +63,7 @@ class InstanceSet {
                    std::span<const std::uint8_t> affected) const;
   bool collect(const Scene& scene, std::span<const Blas> blases);
   bool choose_origin(const Scene& scene, std::span<const Blas> blases, Executor& executor);
-  void place(const Scene& scene, std::size_t i);
+  bool place(const Scene& scene, std::size_t i);
   void bake(const Scene& scene, std::size_t i, bool topology_changed, Layout layout,
             const Tending& how, Executor& executor, TreeWork& work);
 

@@ -86,7 +86,9 @@ void KeptTree::build(const Primitives& prims, const Tending& how, Executor& exec
       tree_, [&](std::uint32_t i) { return bvh::Box4(prims.boxes[i]); }, executor);
   since_build_ = 0;
   wide_ = bvh::WideBvh::derive(tree_.bvh, how.width, executor);
-  entered_.assign(wide_.node_count(), 0);
+  marks_.reset(wide_);
+  local_ = {};
+  is_measured_ = false;
   measure_if_asked(how);
   life_.count_frame(tree_.bvh.node_count());
   life_.count_built(tree_.bvh.node_count());
@@ -109,13 +111,33 @@ double KeptTree::damage(std::uint32_t node) const {
 
 void KeptTree::measure_if_asked(const Tending& how) {
   tree_.model.leaf = how.costs.leaf;
-  if (wants_metrics(how.policy, habit_) && !tree_.measured()) tree_.start_measuring();
+  if (!wants_metrics(how.policy, habit_) || tree_.measured()) return;
+  tree_.start_measuring();
+  is_measured_ = true;
 }
 
-/// What rays entered since the last update is what C counts; everything, if there were none.
-void KeptTree::look_back(const Tending& how, Executor& executor) {
-  if (tree_.measured() && how.traced) wide_.spread_marks(entered_, tree_.seen, executor);
-  if (tree_.measured() && !how.traced) tree_.see_all();
+/// Notes what a refit has to look at. @return whether that is worth doing node by node; metrics are
+/// then taken whoever asks, since only what moved costs anything.
+bool KeptTree::touch(const Motion& motion, const Tending& how, Executor& executor) {
+  const bool is_small = tree_.bvh.empty() || tree_.bvh.nodes[0].leaf();
+  if (motion.all || is_small) {
+    local_.forget_sums();
+    is_measured_ = tree_.measured() && wants_metrics(how.policy, habit_);
+    marks_.tell(wide_, how.traced, tree_, executor);
+    return false;
+  }
+  if (!local_.linked()) local_.link(tree_.bvh, executor);
+  if (local_.summed() && is_measured_ == tree_.measured()) {
+    std::vector<std::uint32_t> pairs;
+    marks_.tell_changes(wide_, how.traced, tree_, pairs);
+    for (const std::uint32_t pair : pairs) local_.touch_pair(pair);
+    for (const std::uint32_t prim : motion.prims) local_.touch_prim(prim);
+  } else {
+    marks_.tell(wide_, how.traced, tree_, executor);
+    local_.touch_all();
+  }
+  is_measured_ = tree_.measured();
+  return true;
 }
 
 /// Of `tests` a ray, those that a rebuild is expected to save: what the tree has worn since its
@@ -165,17 +187,26 @@ void KeptTree::mend(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Co
     promise_ = {now_.sah_cost, rebuild_promise(now_.sah_cost)};
     return;
   }
-  if (!changes.replaced.empty()) {
-    wide_.update(tree_.bvh, changes, executor);
-    made_ = std::move(changes.replaced);
-    shaped_in_ = how.update;
-  }
-  wide_.refit(tree_.bvh, executor);
-  entered_.assign(wide_.node_count(), 0);
+  reshape(changes, how, executor);
   ++since_build_;
   life_.count_frame(tree_.bvh.node_count());
   life_.count_built(work.nodes_rebuilt);
   habit_.note(work.done);
+}
+
+/// Brings the layout that rays traverse, and all that goes by the tree's shape, in line with it.
+void KeptTree::reshape(bvh::Reshaping& changes, const Tending& how, Executor& executor) {
+  const bool is_reshaped = !changes.replaced.empty();
+  if (is_reshaped) wide_.update(tree_.bvh, changes, executor);
+  if (is_local_ && !local_.touched_all())
+    wide_.refit(tree_.bvh, local_.touched(), executor);
+  else
+    wide_.refit(tree_.bvh, executor);
+  marks_.begin(wide_, is_reshaped);
+  if (!is_reshaped) return;
+  if (local_.linked()) local_.relink(tree_.bvh, changes.replaced);
+  made_ = std::move(changes.replaced);
+  shaped_in_ = how.update;
 }
 
 void KeptTree::restructure(const bvh::PrimBoxes& boxes,
@@ -252,7 +283,7 @@ const void* KeptTree::wide_nodes() const {
 }
 
 std::size_t KeptTree::bytes() const {
-  return tree_.bytes() + wide_.bytes() + entered_.capacity();
+  return tree_.bytes() + wide_.bytes() + marks_.bytes() + local_.bytes();
 }
 
 }  // namespace regraft::accel

@@ -5,7 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "regraft/accel/motion.h"
+#include "regraft/accel/ray_marks.h"
 #include "regraft/accel/update_policy.h"
+#include "regraft/bvh/local_refit.h"
 #include "regraft/bvh/selective_restructure.h"
 #include "regraft/bvh/wide_bvh.h"
 #include "regraft/core/executor.h"
@@ -45,13 +48,17 @@ class KeptTree {
   /// Builds the tree anew.
   void build(const Primitives& prims, const Tending& how, Executor& executor);
 
-  /// Follows the motion of the primitives.
+  /// Follows the motion of the primitives, where few moved only above these.
   template <bvh::PrimitiveBounds F>
-  void refit(const F& bounds, const Tending& how, Executor& executor) {
+  void refit(const F& bounds, const Motion& motion, const Tending& how, Executor& executor) {
     measure_if_asked(how);
-    look_back(how, executor);
-    now_ = wants_metrics(how.policy, habit_) ? bvh::refit(tree_, bounds, executor)
-                                             : bvh::refit(tree_.bvh, bounds, executor);
+    is_local_ = touch(motion, how, executor);
+    if (is_local_)
+      now_ = local_.run(tree_, bounds, executor);
+    else if (is_measured_)
+      now_ = bvh::refit(tree_, bounds, executor);
+    else
+      now_ = bvh::refit(tree_.bvh, bounds, executor);
   }
 
   /// After `refit`: what the policy says of the tree as it is now is done, but for rebuilding it,
@@ -79,7 +86,7 @@ class KeptTree {
   /// bvh::WideNode<width>[]; null for the empty tree.
   const void* wide_nodes() const;
   /// Where rays mark the wide nodes that they enter; read by the next `refit`.
-  std::uint8_t* entered() const { return entered_.data(); }
+  std::uint8_t* entered() const { return marks_.entered(); }
   /// Where sampled rays count the nodes and triangles that they visit.
   std::uint64_t* work() const { return work_.data(); }
   /// That count since it was last taken.
@@ -100,7 +107,8 @@ class KeptTree {
   bool builds_quickly(std::size_t prims, const Tending& how) const;
   bvh::Bvh built(const Primitives& prims, const Tending& how, Executor& executor) const;
   void measure_if_asked(const Tending& how);
-  void look_back(const Tending& how, Executor& executor);
+  bool touch(const Motion& motion, const Tending& how, Executor& executor);
+  void reshape(bvh::Reshaping& changes, const Tending& how, Executor& executor);
   TreeState state(const Tending& how, Executor& executor) const;
   void restructure(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
                    const Tending& how, Executor& executor, TreeWork& work, bvh::Reshaping& changes);
@@ -112,7 +120,10 @@ class KeptTree {
 
   bvh::LivingBvh tree_;
   bvh::WideBvh wide_;
-  mutable std::vector<std::uint8_t> entered_;
+  RayMarks marks_;
+  bvh::LocalRefit local_;
+  bool is_local_ = false;     ///< the last refit went by single primitives
+  bool is_measured_ = false;  ///< metrics are those of the present boxes
   /// One number, in memory of its own: rays write to it while trees are moved about.
   mutable std::vector<std::uint64_t> work_ = {0};
   bvh::RefitResult now_;

@@ -49,26 +49,61 @@ void Tlas::list_boxed() {
     if (!boxes_[i].empty()) ids_.push_back(i);
 }
 
-void Tlas::measure(const Scene& scene, const InstanceSet& instances, std::size_t instance,
-                   Executor& executor) {
-  if (layout_ == Layout::two_level) {
-    const trace::InstanceView& v = instances.views()[instance];
-    boxes_[instance] = {Vec3(v.lo[0], v.lo[1], v.lo[2]), Vec3(v.hi[0], v.hi[1], v.hi[2])};
-    return;
-  }
-  const std::uint32_t first = begin_[instance];
-  executor.parallel_for(begin_[instance + 1] - first, 4096,
-                        [&](std::size_t begin, std::size_t end) {
-                          for (std::size_t i = first + begin; i < first + end; ++i)
-                            boxes_[i] = flat_bounds(scene, instances, flat_[i]);
-                        });
+Aabb Tlas::box_of(const Scene& scene, const InstanceSet& instances, std::uint32_t prim) const {
+  if (layout_ == Layout::flat) return flat_bounds(scene, instances, flat_[prim]);
+  const trace::InstanceView& v = instances.views()[prim];
+  return {Vec3(v.lo[0], v.lo[1], v.lo[2]), Vec3(v.hi[0], v.hi[1], v.hi[2])};
 }
 
-void Tlas::measure_moved(const Scene& scene, const InstanceSet& instances,
-                         const InstanceSet::Changes& placed, Executor& executor) {
-  executor.parallel_for(placed.moved.size(), 64, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) measure(scene, instances, placed.moved[i], executor);
+/// All primitives of an instance.
+void Tlas::measure(const Scene& scene, const InstanceSet& instances, std::size_t instance,
+                   Executor& executor) {
+  const bool is_flat = layout_ == Layout::flat;
+  const auto first = is_flat ? begin_[instance] : std::uint32_t(instance);
+  const std::uint32_t count = is_flat ? begin_[instance + 1] - first : 1;
+  executor.parallel_for(count, 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto prim = std::uint32_t(first + i);
+      boxes_[prim] = box_of(scene, instances, prim);
+    }
   });
+}
+
+/// Lists the primitives of an instance that moved. @return false if all of them may have.
+bool Tlas::list_moved(const InstanceSet& instances, std::size_t instance, bool as_a_whole) {
+  if (layout_ == Layout::two_level) {
+    moved_.push_back(std::uint32_t(instance));
+    return true;
+  }
+  const Blas& mesh = instances.tree(instance);
+  if (as_a_whole || mesh.motion().all) return false;
+  for (const std::uint32_t t : mesh.motion().prims)
+    if (const std::uint32_t place = mesh.place(t); place != invalid_id)
+      moved_.push_back(begin_[instance] + place);
+  return true;
+}
+
+/// Boxes of what moved; in the flat layout of the triangles that did, where meshes know them.
+Motion Tlas::measure_moved(const Scene& scene, const InstanceSet& instances,
+                           const InstanceSet::Changes& placed, Executor& executor) {
+  moved_.clear();
+  std::vector<std::size_t> whole;
+  for (std::size_t i = 0; i < placed.moved.size(); ++i)
+    if (!list_moved(instances, placed.moved[i], placed.as_a_whole[i] != 0))
+      whole.push_back(placed.moved[i]);
+  executor.parallel_for(moved_.size(), 512, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      boxes_[moved_[i]] = box_of(scene, instances, moved_[i]);
+  });
+  executor.parallel_for(whole.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) measure(scene, instances, whole[i], executor);
+  });
+  std::size_t count = moved_.size();
+  for (const std::size_t i : whole) count += begin_[i + 1] - begin_[i];
+  if (count * few_share > boxes_.size()) return {};
+  for (const std::size_t i : whole)
+    for (std::uint32_t p = begin_[i]; p < begin_[i + 1]; ++p) moved_.push_back(p);
+  return {false, moved_};
 }
 
 /// Entering an instance costs what its tree costs.
@@ -89,9 +124,10 @@ TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances,
   if (work.done == TreeUpdate::none) return work;
   weigh(instances);
   const auto box = [&](std::uint32_t i) { return bvh::Box4(boxes_[i]); };
-  if (!other_prims && tree_.exists()) measure_moved(scene, instances, placed, executor);
+  Motion motion;
+  if (!other_prims && tree_.exists()) motion = measure_moved(scene, instances, placed, executor);
   if (work.done != TreeUpdate::rebuild && holds_all()) {
-    tree_.refit(box, how, executor);
+    tree_.refit(box, motion, how, executor);
     tree_.mend(box, builder(), how, executor, work);
   } else {
     work.done = TreeUpdate::rebuild;
@@ -171,7 +207,7 @@ void Tlas::show(trace::TraceView& view) const {
 std::size_t Tlas::bytes() const {
   return tree_.bytes() + boxes_.capacity() * sizeof(Aabb) +
          flat_.capacity() * sizeof(trace::FlatPrim) +
-         (ids_.capacity() + begin_.capacity()) * sizeof(std::uint32_t);
+         (ids_.capacity() + begin_.capacity() + moved_.capacity()) * sizeof(std::uint32_t);
 }
 
 std::string Tlas::validate() const {

@@ -39,10 +39,12 @@ class Tlas {
  private:
   bvh::BinnedSahBuilder::Config builder() const;
   bool holds_all() const;
+  Aabb box_of(const Scene& scene, const InstanceSet& instances, std::uint32_t prim) const;
   void measure(const Scene& scene, const InstanceSet& instances, std::size_t instance,
                Executor& executor);
-  void measure_moved(const Scene& scene, const InstanceSet& instances,
-                     const InstanceSet::Changes& placed, Executor& executor);
+  Motion measure_moved(const Scene& scene, const InstanceSet& instances,
+                       const InstanceSet::Changes& placed, Executor& executor);
+  bool list_moved(const InstanceSet& instances, std::size_t instance, bool as_a_whole);
   void collect_primitives(const Scene& scene, const InstanceSet& instances, Executor& executor);
   void list_boxed();
   void weigh(const InstanceSet& instances);
@@ -57,6 +59,7 @@ class Tlas {
   std::vector<std::uint32_t> begin_;
   /// Those with a box, ascending: they are in the tree.
   std::vector<std::uint32_t> ids_;
+  std::vector<std::uint32_t> moved_;  ///< primitives that moved in the last update, if few
 };
 
 }  // namespace regraft::accel

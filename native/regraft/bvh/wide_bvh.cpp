@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
+#include <numeric>
 
 #include "regraft/bvh/wide_update.h"
 
@@ -44,18 +46,32 @@ void take_boxes(const Bvh& bvh, AlignedVector<WideNode<W>>& nodes, Executor& exe
   });
 }
 
+/// A wide node is found by the topmost of its pairs, so that only one task writes to it.
 template <int W>
-void take_boxes_of(const Bvh& bvh, std::span<const std::uint32_t> sources,
+void take_boxes_of(const Bvh& bvh, std::span<const std::uint32_t> pairs,
                    const WideTarget<W>& target, Executor& executor) {
-  executor.parallel_for(sources.size(), 2048, [&](std::size_t begin, std::size_t end) {
+  executor.parallel_for(pairs.size(), 2048, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t source = sources[k];
-      WideNode<W>& node = target.nodes[target.ledger.owner[source / 2]];
-      for (int i = 0; i < W; ++i)
-        if (node.source[i] == source && node.child[i] != WideChild::none)
-          node.set_box(i, bvh.nodes[source]);
+      const std::uint32_t wide = target.ledger.owner[pairs[k]];
+      if (wide < target.nodes.size() && target.ledger.root[wide] == 2 * pairs[k])
+        gather_boxes(bvh, target.nodes[wide]);
     }
   });
+}
+
+/// Sets the marks of all pairs of wide node `wide` from pair `pair` downwards.
+void spread_mark(const Bvh& bvh, const WideLedger& ledger, std::uint32_t wide, std::uint32_t pair,
+                 std::uint8_t mark, std::span<std::uint8_t> pairs,
+                 std::vector<std::uint32_t>& changed) {
+  if (pairs[pair] != mark) {
+    pairs[pair] = mark;
+    changed.push_back(pair);
+  }
+  for (std::uint32_t n = 2 * pair; n < 2 * pair + 2; ++n) {
+    const Node& node = bvh.nodes[n];
+    if (!node.leaf() && ledger.owner[node.first >> 1] == wide)
+      spread_mark(bvh, ledger, wide, node.first >> 1, mark, pairs, changed);
+  }
 }
 
 }  // namespace
@@ -79,11 +95,11 @@ void WideBvh::refit(const Bvh& bvh, Executor& executor) {
     take_boxes<4>(bvh, nodes4_, executor);
 }
 
-void WideBvh::refit(const Bvh& bvh, std::span<const std::uint32_t> nodes, Executor& executor) {
+void WideBvh::refit(const Bvh& bvh, std::span<const std::uint32_t> pairs, Executor& executor) {
   if (width_ == 8)
-    take_boxes_of<8>(bvh, nodes, {nodes8_, ledger_}, executor);
+    take_boxes_of<8>(bvh, pairs, {nodes8_, ledger_}, executor);
   else
-    take_boxes_of<4>(bvh, nodes, {nodes4_, ledger_}, executor);
+    take_boxes_of<4>(bvh, pairs, {nodes4_, ledger_}, executor);
 }
 
 void WideBvh::spread_marks(std::span<const std::uint8_t> marks, std::span<std::uint8_t> pairs,
@@ -96,17 +112,35 @@ void WideBvh::spread_marks(std::span<const std::uint8_t> marks, std::span<std::u
   });
 }
 
+void WideBvh::spread_marks(std::span<const std::uint8_t> marks, std::span<std::uint8_t> known,
+                           std::span<std::uint8_t> pairs, const Bvh& bvh,
+                           std::vector<std::uint32_t>& changed) const {
+  constexpr std::size_t line = 64;
+  for (std::size_t begin = 0; begin < marks.size(); begin += line) {
+    const std::size_t end = std::min(begin + line, marks.size());
+    if (std::memcmp(&marks[begin], &known[begin], end - begin) == 0) continue;
+    for (std::size_t wide = begin; wide < end; ++wide) {
+      const std::uint32_t first = ledger_.root[wide];
+      if (marks[wide] != known[wide] && first != WideLedger::none && first != 0)
+        spread_mark(bvh, ledger_, std::uint32_t(wide), first >> 1, marks[wide], pairs, changed);
+      known[wide] = marks[wide];
+    }
+  }
+}
+
 void WideBvh::update(const Bvh& bvh, const Reshaping& changes, Executor& executor) {
   const bool everything =
       std::find(changes.rebuilt.begin(), changes.rebuilt.end(), 0u) != changes.rebuilt.end();
   if (everything || empty() || bvh.empty()) {
     *this = derive(bvh, width_, executor);
+    remade_.resize(node_count());
+    std::iota(remade_.begin(), remade_.end(), 0u);
     return;
   }
   if (width_ == 8)
-    WideUpdate<8>(bvh, {nodes8_, ledger_}, executor).run(changes);
+    remade_ = WideUpdate<8>(bvh, {nodes8_, ledger_}, executor).run(changes);
   else
-    WideUpdate<4>(bvh, {nodes4_, ledger_}, executor).run(changes);
+    remade_ = WideUpdate<4>(bvh, {nodes4_, ledger_}, executor).run(changes);
 }
 
 }  // namespace regraft::bvh

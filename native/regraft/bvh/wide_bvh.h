@@ -83,8 +83,9 @@ class WideBvh {
   /// Takes over the boxes of the binary tree, whose shape must be the one last seen.
   void refit(const Bvh& bvh, Executor& executor);
 
-  /// Takes over the boxes of these binary nodes only.
-  void refit(const Bvh& bvh, std::span<const std::uint32_t> nodes, Executor& executor);
+  /// Takes over the boxes of these pairs of binary nodes only: all in which a box changed, and all
+  /// above each of them, every one once.
+  void refit(const Bvh& bvh, std::span<const std::uint32_t> pairs, Executor& executor);
 
   /// Derives anew what `changes` reached, with the boxes on the way there; everything else stays
   /// where it is, and keeps its boxes. Time grows with what changed, not with the tree. Same
@@ -96,6 +97,15 @@ class WideBvh {
   void spread_marks(std::span<const std::uint8_t> marks, std::span<std::uint8_t> pairs,
                     Executor& executor) const;
 
+  /// The same where `known` holds the marks of the last time by wide node, 2 where it does not say:
+  /// only what differs is looked at. Pairs that change are appended to `changed`.
+  void spread_marks(std::span<const std::uint8_t> marks, std::span<std::uint8_t> known,
+                    std::span<std::uint8_t> pairs, const Bvh& bvh,
+                    std::vector<std::uint32_t>& changed) const;
+
+  /// The wide nodes that `update` derived anew the last time; all if it was asked for the root.
+  std::span<const std::uint32_t> remade() const { return remade_; }
+
   int width() const { return width_; }
   std::size_t node_count() const { return width_ == 8 ? nodes8_.size() : nodes4_.size(); }
   /// Nodes among them that hold nothing at present; their first child is `none`.
@@ -103,7 +113,7 @@ class WideBvh {
   bool empty() const { return node_count() == 0; }
   std::size_t bytes() const {
     return nodes4_.capacity() * sizeof(WideNode<4>) + nodes8_.capacity() * sizeof(WideNode<8>) +
-           ledger_.bytes();
+           ledger_.bytes() + remade_.capacity() * sizeof(std::uint32_t);
   }
   template <int W>
   const WideNode<W>* nodes() const;
@@ -113,6 +123,7 @@ class WideBvh {
   AlignedVector<WideNode<4>> nodes4_;
   AlignedVector<WideNode<8>> nodes8_;
   WideLedger ledger_;
+  std::vector<std::uint32_t> remade_;
 };
 
 template <>

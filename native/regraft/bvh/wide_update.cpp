@@ -5,7 +5,7 @@
 namespace regraft::bvh {
 
 template <int W>
-void WideUpdate<W>::run(const Reshaping& changes) {
+std::vector<std::uint32_t> WideUpdate<W>::run(const Reshaping& changes) {
   marks_.assign(nodes_.size(), untouched);
   ledger_.owner.resize(bvh_.nodes.size() / 2, none);
   for (const std::uint32_t n : changes.rebuilt) mark_dirty(n / 2);
@@ -17,6 +17,7 @@ void WideUpdate<W>::run(const Reshaping& changes) {
   if (marks_[0] != untouched) visit(0, 0);
   derive_fresh();
   release_detached();
+  return std::move(remade_);
 }
 
 template <int W>
@@ -61,6 +62,7 @@ void WideUpdate<W>::visit(std::uint32_t wide, std::uint32_t binary) {
 
 template <int W>
 void WideUpdate<W>::remake(std::uint32_t wide, std::uint32_t binary) {
+  remade_.push_back(wide);
   detach_children(wide);
   ledger_.root[wide] = none;
   Treelet<W> treelet(binary);
@@ -159,6 +161,7 @@ void WideUpdate<W>::derive_fresh() {
     for (std::uint32_t& place : places[i]) place = allocate();
     nodes_[fresh_[i].wide].child[fresh_[i].slot] = places[i][0];
     ledger_.parent[places[i][0]] = fresh_[i].wide;
+    remade_.insert(remade_.end(), places[i].begin(), places[i].end());
   }
   executor_.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)

@@ -58,7 +58,8 @@ class WideUpdate {
   WideUpdate(const Bvh& bvh, WideTarget<W> target, Executor& executor)
       : bvh_(bvh), nodes_(target.nodes), ledger_(target.ledger), executor_(executor) {}
 
-  void run(const Reshaping& changes);
+  /// @return the wide nodes that are now derived anew.
+  std::vector<std::uint32_t> run(const Reshaping& changes);
 
  private:
   enum Mark : std::uint8_t { untouched, on_path, dirty, released };
@@ -89,6 +90,7 @@ class WideUpdate {
   WideLedger& ledger_;
   Executor& executor_;
   std::vector<Mark> marks_;
+  std::vector<std::uint32_t> remade_;
   std::vector<std::uint32_t> detached_;
   /// Slots whose wide nodes are still to be derived.
   struct Fresh {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 
 namespace regraft {
@@ -71,7 +72,22 @@ std::size_t Mesh::bytes() const {
   std::size_t keys = 0;
   for (const std::vector<Vec3>& frame : key_vertices) keys += frame.capacity() * sizeof(Vec3);
   return keys + vertices.capacity() * sizeof(Vec3) + triangles.capacity() * sizeof(Triangle) +
-         slots.capacity() * sizeof(std::uint16_t) + normal_ids.capacity() * sizeof(glm::uvec3);
+         slots.capacity() * sizeof(std::uint16_t) + normal_ids.capacity() * sizeof(glm::uvec3) +
+         block_revisions.capacity() * sizeof(std::uint32_t);
+}
+
+bool move_vertices(Mesh& mesh, std::span<const Vec3> vertices) {
+  const std::uint32_t next = mesh.revision + 1;
+  mesh.block_revisions.resize((vertices.size() + vertex_block - 1) / vertex_block, 0);
+  for (std::size_t block = 0; block < mesh.block_revisions.size(); ++block) {
+    const std::size_t begin = block * vertex_block;
+    const std::size_t bytes =
+        std::min<std::size_t>(vertex_block, vertices.size() - begin) * sizeof(Vec3);
+    if (std::memcmp(&mesh.vertices[begin], &vertices[begin], bytes) == 0) continue;
+    std::memcpy(&mesh.vertices[begin], &vertices[begin], bytes);
+    mesh.block_revisions[block] = mesh.revision = next;
+  }
+  return mesh.revision == next;
 }
 
 std::string label(const Mesh& mesh, std::uint32_t id) {

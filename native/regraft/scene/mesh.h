@@ -14,6 +14,9 @@ inline constexpr std::uint32_t flat_corner = 0xFFFFFFFFu;
 
 using Triangle = glm::uvec3;
 
+/// Vertices are watched for motion in blocks of so many neighbours.
+inline constexpr std::uint32_t vertex_block = 64;
+
 /// Triangles in object space. Owned by `Scene`, addressed by mesh id.
 struct Mesh {
   std::string name;
@@ -27,12 +30,21 @@ struct Mesh {
   std::uint32_t normal_count = 0;
   std::uint32_t instance_count = 0;
   bool alive = false;
+  /// Counts how often positions have changed; by block of vertices, its value when the block last
+  /// did. Who remembers the count sees later what has moved since, blocks of a larger value.
+  /// Empty: nothing is known of blocks.
+  std::uint32_t revision = 0;
+  std::vector<std::uint32_t> block_revisions;
   /// Positions in key frames of the shot, if the host has told.
   std::vector<std::vector<Vec3>> key_vertices;
 
   /// Of the arrays, with what they have in reserve.
   std::size_t bytes() const;
 };
+
+/// Takes over positions, as many as there are, block by block where they are not the same bits.
+/// @return whether any were not.
+bool move_vertices(Mesh& mesh, std::span<const Vec3> vertices);
 
 /// `mesh 3 "Cube"`, as error messages call it.
 std::string label(const Mesh& mesh, std::uint32_t id);

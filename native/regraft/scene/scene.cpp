@@ -53,6 +53,7 @@ void assign(Mesh& mesh, const MeshData& data, std::uint32_t normal_count) {
   mesh.slots.assign(data.slots.begin(), data.slots.end());
   mesh.normal_ids.assign(data.normal_ids.begin(), data.normal_ids.end());
   mesh.normal_count = normal_count;
+  mesh.block_revisions = {};
 }
 
 }  // namespace
@@ -90,9 +91,7 @@ void Scene::set_vertices(std::uint32_t id, std::span<const Vec3> vertices) {
     refuse(label(mesh, id) + ": " + std::to_string(vertices.size()) + " vertices, " +
            std::to_string(mesh.vertices.size()) + " wanted; set_mesh changes their number");
   }
-  if (same_bits<Vec3>(mesh.vertices, vertices)) return;
-  std::copy(vertices.begin(), vertices.end(), mesh.vertices.begin());
-  changes_.mesh_deformed(id);
+  if (move_vertices(mesh, vertices)) changes_.mesh_deformed(id);
 }
 
 void Scene::set_mesh(std::uint32_t id, const MeshData& data) {

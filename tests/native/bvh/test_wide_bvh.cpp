@@ -92,22 +92,20 @@ class Mender {
     tree = boxes.build(2, config_);
   }
 
-  /// Moves some primitives; the boxes of `moved` nodes have changed.
+  /// Moves some primitives; boxes of `moved` pairs have changed, or of some below them.
   void move(std::size_t count) {
     for (std::size_t i = 0; i < count; ++i)
       boxes.boxes[random_.below(boxes.boxes.size())] = cube(random_.in_box(1.0), 0.05);
     const Bvh before = tree;
     refit_to(tree, boxes);
     moved.clear();
-    for (std::uint32_t n = 0; n < tree.nodes.size(); ++n)
-      if (!(tree.nodes[n] == before.nodes[n])) moved.push_back(n);
+    list_moved(before, 0);
   }
 
   void rotate() {
     for (const bvh::Rotation& r : bvh::rotate(tree, {}, pool(2))) {
       changes.replaced.push_back(r.child);
       changes.replaced.push_back(r.grandchild);
-      moved.push_back(r.child ^ 1u);
     }
   }
 
@@ -136,6 +134,16 @@ class Mender {
   std::vector<std::uint32_t> moved;
 
  private:
+  /// Whether the box of `n` or one below has changed.
+  bool list_moved(const Bvh& before, std::uint32_t n) {
+    const bvh::Node& node = tree.nodes[n];
+    bool is_moved = false;
+    for (std::uint32_t side = 0; side < 2 && !node.leaf(); ++side)
+      is_moved |= list_moved(before, node.first + side);
+    if (is_moved) moved.push_back(node.first / 2);
+    return is_moved || !(node == before.nodes[n]);
+  }
+
   void graft(std::uint32_t root, const std::vector<std::uint32_t>& slots, const Bvh& part,
              std::vector<std::uint32_t>& pairs) {
     const auto place = [&](std::uint32_t n) { return n == 0 ? root : pairs[n / 2 - 1] + n % 2; };
