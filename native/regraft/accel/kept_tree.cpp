@@ -21,8 +21,9 @@ constexpr double noise = 1e-4;
 constexpr std::uint32_t crown_share = 16;
 constexpr std::uint32_t least_parts = 512;
 constexpr std::uint32_t most_parts = 16384;
-/// Updates between two tries at the top, where they do not pay.
-constexpr std::uint32_t longest_interval = 64;
+/// Taking the top apart, weighing the parts and laying them out anew costs so many times what
+/// building over the parts does.
+constexpr double crown_cost = 3.0;
 /// Tests that a tree along a Morton curve costs more than one by surface area: 3 to 21 %.
 constexpr double morton_excess = 0.15;
 /// How fast a frame in which nothing was tried lets the past be forgotten.
@@ -178,6 +179,7 @@ TreeState KeptTree::state(const Tending& how, Executor& executor) const {
 void KeptTree::mend(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
                     const Tending& how, Executor& executor, TreeWork& work) {
   work.nodes_refitted += now_.nodes;
+  budget_.note_refit(now_.nodes);
   watch(how);
   work.done = choose_update(state(how, executor), how.policy);
   bvh::Reshaping changes;
@@ -218,11 +220,11 @@ void KeptTree::restructure(const bvh::PrimBoxes& boxes,
       changes.replaced.insert(changes.replaced.end(), {r.child, r.grandchild});
     if (!changes.replaced.empty()) now_.sah_cost = bvh::sah_cost(tree_.bvh, tree_.model);
   }
-  const bvh::Outlook outlook{how.rays, life_.frames(how.frames_left), yield_};
+  const bvh::Outlook outlook{how.rays, life_.frames(how.frames_left), yield_, budget_.tests()};
   bvh::RestructureResult result =
       how.policy == Policy::lm
           ? bvh::restructure_by_volume(tree_, boxes, builder, executor)
-          : bvh::restructure(tree_, boxes, outlook, how.costs, builder, executor);
+          : bvh::restructure(tree_, boxes, outlook, within_budget(how.costs), builder, executor);
   if (how.policy != Policy::lm && !result.rebuild_instead)
     tend_crown(boxes, builder, how, executor, result);
   work.select_ms +=
@@ -243,22 +245,35 @@ void KeptTree::restructure(const bvh::PrimBoxes& boxes,
     work.done = TreeUpdate::refit;
 }
 
-/// Tries the top of the tree anew, the oftener the better that paid last time.
+bvh::RestructureConfig KeptTree::within_budget(bvh::RestructureConfig costs) const {
+  costs.pair_limit = std::min(costs.pair_limit, budget_.looks(costs.refine));
+  return costs;
+}
+
+/// Expected tests of a ray that are due to what was lost since the tree was in order or was built.
+double KeptTree::lost_tests() const {
+  const double area = tree_.area(0);
+  const double wear = now_.wear(built_);
+  const double since_build = wear > 1.0 ? tree_.cost(0) * (1.0 - 1.0 / wear) : 0.0;
+  return std::max(area > 0.0 ? tree_.excess(0) / area : 0.0, since_build);
+}
+
+/// Tries the top of what is damaged anew, if what was lost there could pay for it.
 void KeptTree::tend_crown(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
                           const Tending& how, Executor& executor, bvh::RestructureResult& result) {
   const double tests = tree_.cost(0);
   if (!(tree_.excess(0) > noise * tests * tree_.area(0))) return;
-  if (++crown_.waited < crown_.interval) return;
-  const std::uint32_t prims = tree_.prims(0);
-  const std::uint32_t parts = std::clamp(prims / crown_share, least_parts, most_parts);
-  bvh::rebuild_crown(tree_, parts, boxes, builder, executor, result);
-  now_.sah_cost -= result.crown_saving;
-  const double worth = how.rays * result.crown_saving * crown_.waited;
+  const std::uint32_t node = bvh::damaged_part(tree_);
+  const std::uint32_t prims = tree_.prims(node);
+  std::uint32_t parts = std::min(std::clamp(prims / crown_share, least_parts, most_parts), prims);
+  // Where only a part moves, no update takes much longer than the others for its sake.
+  if (is_local_) parts = std::min(parts, budget_.looks(8.0 * crown_cost * how.costs.rebuild));
   const double price =
-      bvh::RestructuringBenefit(tree_, how.costs, 1.0).rebuild_cost(std::min(parts, prims));
-  if (worth > price) crown_.interval = std::max(crown_.interval / 2, 1u);
-  if (worth < 0.5 * price) crown_.interval = std::min(crown_.interval * 2, longest_interval);
-  crown_.waited = 0;
+      crown_cost * bvh::RestructuringBenefit(tree_, how.costs, 1.0).rebuild_cost(parts);
+  if (!crown_.is_due(how.rays * lost_tests(), price)) return;
+  bvh::rebuild_crown(tree_, {node, parts}, boxes, builder, executor, result);
+  now_.sah_cost -= result.crown_saving;
+  crown_.note(how.rays * result.crown_saving, price);
   // Nothing to be gained at the top: the tree is about as good as one just built.
   if (result.crown_saving < 0.01 * tests) built_.looseness = now_.looseness;
 }

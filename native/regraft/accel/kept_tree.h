@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "regraft/accel/crown_schedule.h"
+#include "regraft/accel/mending_budget.h"
 #include "regraft/accel/motion.h"
 #include "regraft/accel/ray_marks.h"
 #include "regraft/accel/update_policy.h"
@@ -112,6 +114,8 @@ class KeptTree {
   TreeState state(const Tending& how, Executor& executor) const;
   void restructure(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
                    const Tending& how, Executor& executor, TreeWork& work, bvh::Reshaping& changes);
+  bvh::RestructureConfig within_budget(bvh::RestructureConfig costs) const;
+  double lost_tests() const;
   void tend_crown(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
                   const Tending& how, Executor& executor, bvh::RestructureResult& result);
   void learn(const std::vector<bvh::Restructured>& operations);
@@ -145,11 +149,8 @@ class KeptTree {
   } observed_;
   std::vector<std::uint32_t> made_;  ///< nodes of the last change of shape
   std::uint64_t shaped_in_ = 0;      ///< the update that did it
-  /// Every how many updates the top of the tree is built anew, and since how many it was not.
-  struct {
-    std::uint32_t interval = 2;
-    std::uint32_t waited = 0;
-  } crown_;
+  CrownSchedule crown_;
+  MendingBudget budget_;
   double ratio_sum_ = 0.0;  ///< of the last build; for `rtdeform`
   Habit habit_;
   std::uint32_t since_build_ = 0;  ///< updates

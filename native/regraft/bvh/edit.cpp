@@ -4,6 +4,7 @@
 #include <numeric>
 #include <queue>
 
+#include "regraft/core/growth.h"
 #include "regraft/core/vec.h"
 
 namespace regraft::bvh {
@@ -138,7 +139,7 @@ class Edit {
       return pair;
     }
     const auto pair = std::uint32_t(bvh_.nodes.size());
-    bvh_.nodes.resize(pair + 2);
+    grow(bvh_.nodes, pair + 2);
     return pair;
   }
 

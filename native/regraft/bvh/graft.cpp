@@ -6,6 +6,7 @@
 #include "regraft/bvh/cut.h"
 #include "regraft/bvh/share_out.h"
 #include "regraft/bvh/slot_pool.h"
+#include "regraft/core/growth.h"
 
 namespace regraft::bvh {
 
@@ -293,9 +294,9 @@ class Splice {
       bvh_.free_pairs.pop_back();
       return first;
     }
-    bvh_.nodes.resize(bvh_.nodes.size() + 2);
-    tree_.inner.resize(bvh_.nodes.size() / 2);
-    tree_.seen.resize(tree_.inner.size());
+    grow(bvh_.nodes, bvh_.nodes.size() + 2);
+    grow(tree_.inner, bvh_.nodes.size() / 2);
+    grow(tree_.seen, tree_.inner.size());
     return std::uint32_t(bvh_.nodes.size() - 2);
   }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "regraft/core/growth.h"
+
 namespace regraft::bvh {
 
 namespace {
@@ -118,8 +120,10 @@ void LivingBvh::measure_anew(std::uint32_t n) {
 }
 
 void LivingBvh::start_measuring() {
-  inner.assign(bvh.nodes.size() / 2, {});
-  seen.assign(inner.size(), 1);
+  inner.clear();
+  seen.clear();
+  grow(inner, bvh.nodes.size() / 2);
+  grow(seen, inner.size(), std::uint8_t(1));
   if (!bvh.empty()) measure_anew(0);
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "regraft/core/growth.h"
+
 namespace regraft::bvh {
 
 namespace {
@@ -12,9 +14,9 @@ constexpr std::size_t grain = 16384;
 
 void LocalRefit::resize(const Bvh& bvh) {
   const std::size_t pairs = bvh.nodes.size() / 2;
-  above_.resize(pairs, 0);
-  marks_.resize(pairs, 0);
-  below_.resize(pairs);
+  grow(above_, pairs);
+  grow(marks_, pairs);
+  grow(below_, pairs);
 }
 
 /// Notes where the primitives of a leaf are, or what is above the children of an inner node.

@@ -40,14 +40,16 @@ class Chosen {
 
 /// Pairs that are worth more than all that could be done by their refinements, those of largest
 /// gain first. A pair's total holds its refinements' benefit, so its gain alone would always beat
-/// theirs: damage in two far corners of a scene would be mended by rebuilding all between them.
-std::vector<std::uint32_t> candidates(const LivingBvh& tree, const std::vector<NodePair>& pairs) {
+/// theirs: damage in two far corners of a scene would be mended by rebuilding all between them. Nor
+/// is a pair that costs more than the budget chosen: its refinements are.
+std::vector<std::uint32_t> candidates(const LivingBvh& tree, const std::vector<NodePair>& pairs,
+                                      double budget) {
   std::vector<double> below(pairs.size(), 0.0);
   std::vector<double> gain(pairs.size(), 0.0);
   std::vector<std::uint8_t> preferred(pairs.size(), 0);
   for (std::size_t i = pairs.size(); i-- > 0;) {
     const NodePair& pair = pairs[i];
-    if (tree.damaged(pair.ancestor)) gain[i] = pair.total - pair.cost;
+    if (tree.damaged(pair.ancestor) && pair.cost <= budget) gain[i] = pair.total - pair.cost;
     preferred[i] = gain[i] > 0.0 && gain[i] >= below[i];
     if (pair.parent != NodePair::none) below[pair.parent] += std::max(gain[i], below[i]);
   }
@@ -60,13 +62,14 @@ std::vector<std::uint32_t> candidates(const LivingBvh& tree, const std::vector<N
   return order;
 }
 
-/// The pairs to restructure, best first; their costs together in `cost`.
+/// The pairs to restructure, best first, within a budget; their costs together in `cost`.
 std::vector<NodePair> choose(const LivingBvh& tree, const std::vector<NodePair>& pairs,
-                             double& cost) {
+                             double budget, double& cost) {
   Chosen chosen(tree);
   std::vector<NodePair> result;
-  for (const std::uint32_t i : candidates(tree, pairs)) {
-    if (!chosen.free(pairs[i])) continue;
+  cost = 0.0;
+  for (const std::uint32_t i : candidates(tree, pairs, budget)) {
+    if (cost + pairs[i].cost > budget || !chosen.free(pairs[i])) continue;
     chosen.take(pairs[i]);
     result.push_back(pairs[i]);
     cost += pairs[i].cost;
@@ -109,11 +112,12 @@ RestructureResult restructure(LivingBvh& tree, const PrimBoxes& boxes, const Out
   const std::vector<NodePair> pairs = refine_pairs(tree, metric, config);
   result.pairs_considered = pairs.size();
   double cost = 0.0;
-  const std::vector<NodePair> chosen = choose(tree, pairs, cost);
+  std::vector<NodePair> chosen = choose(tree, pairs, std::numeric_limits<double>::infinity(), cost);
   if (!chosen.empty() && cost >= metric.rebuild_cost(tree.prims(0))) {
     result.rebuild_instead = true;
     return result;
   }
+  if (cost > outlook.budget) chosen = choose(tree, pairs, outlook.budget, cost);
   regraft_all(tree, chosen, boxes, builder, executor, result);
   for (Restructured& operation : result.operations) operation.predicted *= outlook.yield / weight;
   return result;

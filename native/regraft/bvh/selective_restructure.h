@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "regraft/bvh/graft.h"
@@ -13,6 +14,8 @@ struct Outlook {
   double frames = 1.0;  ///< Life, Eq. 6
   /// Share of predicted benefits that past operations realised.
   double yield = 1.0;
+  /// What operations may cost together, in box tests. What does not fit waits for the next frame.
+  double budget = std::numeric_limits<double>::infinity();
 };
 
 /// One restructured pair, in expected tests a ray that hits the root's box.

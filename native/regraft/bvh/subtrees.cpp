@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "regraft/core/growth.h"
+
 namespace regraft::bvh {
 
 void splice(Bvh& bvh, const std::vector<Subtree>& subtrees, Executor& executor) {
@@ -12,7 +14,7 @@ void splice(Bvh& bvh, const std::vector<Subtree>& subtrees, Executor& executor) 
     total += subtrees[i].nodes.size() - 2;
     bvh.depth = std::max(bvh.depth, subtrees[i].depth);
   }
-  bvh.nodes.resize(total);
+  grow(bvh.nodes, total);
   executor.parallel_for(subtrees.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto shift = std::uint32_t(offsets[i] - 2);

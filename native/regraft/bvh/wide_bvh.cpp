@@ -15,7 +15,7 @@ namespace {
 template <int W>
 void collapse(const Bvh& bvh, const WideTarget<W>& target, Executor& executor) {
   constexpr std::size_t tasks = 64;
-  target.ledger.owner.assign(bvh.nodes.size() / 2, WideLedger::none);
+  grow(target.ledger.owner, bvh.nodes.size() / 2, WideLedger::none);
   target.ledger.owner[0] = 0;
   WidePart<W> top;
   top.derive_top(bvh, tasks);

@@ -7,7 +7,7 @@ namespace regraft::bvh {
 template <int W>
 std::vector<std::uint32_t> WideUpdate<W>::run(const Reshaping& changes) {
   marks_.assign(nodes_.size(), untouched);
-  ledger_.owner.resize(bvh_.nodes.size() / 2, none);
+  grow(ledger_.owner, bvh_.nodes.size() / 2, none);
   for (const std::uint32_t n : changes.rebuilt) mark_dirty(n / 2);
   for (const std::uint32_t n : changes.replaced) mark_dirty(n / 2);
   executor_.parallel_for(changes.rebuilt.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -5,6 +5,7 @@
 
 #include "regraft/bvh/wide_slots.h"
 #include "regraft/bvh/wide_treelet.h"
+#include "regraft/core/growth.h"
 
 namespace regraft::bvh {
 
@@ -15,9 +16,9 @@ struct WideTarget {
   WideLedger& ledger;
 
   void resize(std::size_t count) const {
-    nodes.resize(count);
-    ledger.root.resize(count, WideLedger::none);
-    ledger.parent.resize(count, WideLedger::none);
+    grow(nodes, count);
+    grow(ledger.root, count, WideLedger::none);
+    grow(ledger.parent, count, WideLedger::none);
   }
 };
 

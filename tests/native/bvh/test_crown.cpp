@@ -9,7 +9,7 @@ namespace {
 
 void rebuild_crown(Living& t, std::size_t parts, bvh::RestructureResult& result) {
   bvh::rebuild_crown(
-      t.tree, parts, [&](std::uint32_t i) { return bvh::Box4(t.boxes.boxes[i]); }, t.builder,
+      t.tree, {0, parts}, [&](std::uint32_t i) { return bvh::Box4(t.boxes.boxes[i]); }, t.builder,
       pool(t.threads), result);
   EXPECT_EQ(t.boxes.flaw(t.tree.bvh), "");
   EXPECT_EQ(t.metrics_flaw(0), "");
@@ -76,6 +76,28 @@ TEST(Crown, WhatNoRayEnteredStaysWhole) {
   bvh::RestructureResult result;
   rebuild_crown(t, 400, result);
   EXPECT_LE(result.nodes_rebuilt, 2u);
+}
+
+TEST(Crown, TheDamagedPartIsTheLowestNodeAboveWhatMoved) {
+  Living t(random_boxes(2000, 3, 1.0, 0.02));
+  std::vector<Aabb> moved = t.boxes.boxes;
+  Random random(1);
+  for (Aabb& b : moved)
+    if (b.lo.x > 0.5f && b.lo.y > 0.5f) b = cube(Vec3d(b.lo) + random.in_box(0.2), 0.01);
+  t.move(moved);
+  const std::uint32_t part = bvh::damaged_part(t.tree);
+  EXPECT_NE(part, 0u);
+  EXPECT_GT(t.tree.excess(part), 0.9 * t.tree.excess(0));
+  EXPECT_LT(t.tree.prims(part), 1000u);
+  bvh::RestructureResult result;
+  const double before = t.cost();
+  bvh::rebuild_crown(
+      t.tree, {part, 200}, [&](std::uint32_t i) { return bvh::Box4(t.boxes.boxes[i]); }, t.builder,
+      pool(2), result);
+  EXPECT_EQ(t.boxes.flaw(t.tree.bvh), "");
+  EXPECT_EQ(t.metrics_flaw(0), "");
+  EXPECT_GT(result.crown_saving, 0.0);
+  EXPECT_NEAR(before - t.cost(), result.crown_saving, 1e-9 * before);
 }
 
 TEST(Crown, OneThreadAndManyDoTheSame) {

@@ -193,6 +193,26 @@ TEST(SelectiveRestructure, NoOperationMakesTheTreeWorse) {
   EXPECT_GT(count, 3u);
 }
 
+TEST(SelectiveRestructure, WhatExceedsTheBudgetWaitsForLaterFrames) {
+  Living at_once(random_boxes(3000, 7, 1.0, 0.02)), spread(random_boxes(3000, 7, 1.0, 0.02));
+  std::vector<Aabb> moved = at_once.boxes.boxes;
+  Random random(1);
+  for (Aabb& b : moved)
+    if (b.lo.x > 0.4f) b = cube(Vec3d(b.lo) + random.in_box(0.1), 0.01);
+  for (Living* t : {&at_once, &spread}) t->move(moved);
+  const double damaged = spread.cost();
+  const std::uint64_t all = at_once.restructure().nodes_rebuilt;
+  spread.outlook.budget = 10.0 * 120 * std::log2(120.0);
+  std::uint64_t frames = 0;
+  for (std::uint64_t rebuilt = 1; rebuilt > 0; frames += rebuilt > 0) {
+    rebuilt = spread.restructure().nodes_rebuilt;
+    EXPECT_LT(rebuilt, all / 2);
+  }
+  EXPECT_GT(all, 500u);
+  EXPECT_GE(frames, 2u);
+  EXPECT_GT(damaged - spread.cost(), 0.3 * (damaged - at_once.cost()));
+}
+
 TEST(SelectiveRestructure, PrimitivesWithoutABoxStayAndComeBack) {
   Living t(random_boxes(1000, 6, 1.0, 0.02));
   for (std::uint64_t f = 1; f < 4; ++f) {
