@@ -1,13 +1,11 @@
 #include <algorithm>
 
-#include "args.h"
 #include "bindings.h"
+#include "hit_batch.h"
 
 namespace regraft::bindings {
 
 namespace {
-
-using BoolArray = Arg<"numpy.typing.NDArray[numpy.bool_]">;
 
 /// Nodes of the trees, as docs/api.md describes them.
 struct NodeBatch {

@@ -1,57 +1,12 @@
-#include <algorithm>
 #include <limits>
 
 #include "args.h"
 #include "bindings.h"
-#include "query_arrays.h"
-#include "ray_batch.h"
+#include "hit_batch.h"
 
 namespace regraft::bindings {
 
 namespace {
-
-using BoolArray = Arg<"numpy.typing.NDArray[numpy.bool_]">;
-using LimitArg = Arg<"float | numpy.typing.NDArray[numpy.float32]">;
-
-/// Hits of N rays, as docs/api.md describes them.
-struct HitBatch {
-  py::array_t<float> t;
-  py::array_t<std::uint32_t> instance_id;
-  py::array_t<std::uint32_t> prim_id;
-  py::array_t<float> u;
-  py::array_t<float> v;
-  py::array_t<float> normal;
-
-  explicit HitBatch(py::ssize_t n)
-      : t(n), instance_id(n), prim_id(n), u(n), v(n), normal({n, py::ssize_t{3}}) {}
-};
-
-/// The caller's arrays and how to read them; holds references, so lives with the GIL held.
-struct RayArrays {
-  py::array origins;
-  py::array directions;
-  py::object t_near;
-  py::object t_far;
-  RayBatch batch;
-};
-
-Limits limits(const py::object& object, const char* name, py::ssize_t count) {
-  if (!py::isinstance<py::array>(object) || py::cast<py::array>(object).ndim() == 0) {
-    return {static_cast<float>(checked_number(object, name)), nullptr, 0};
-  }
-  const py::array array = checked_array(object, name, {py::dtype::of<float>()}, {count});
-  return {0.0f, static_cast<const std::byte*>(array.data()), array.strides(0)};
-}
-
-RayArrays ray_arrays(const RealsArg& origins, const RealsArg& directions, const LimitArg& t_near,
-                     const LimitArg& t_far) {
-  RayArrays rays{real_array(origins, "origins", -1), {}, t_near, t_far, {}};
-  const py::ssize_t count = rays.origins.shape(0);
-  rays.directions = real_array(directions, "directions", count);
-  rays.batch = {rows(rays.origins), rows(rays.directions), limits(t_near, "t_near", count),
-                limits(t_far, "t_far", count), static_cast<std::size_t>(count)};
-  return rays;
-}
 
 template <Search search>
 HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& directions,
@@ -59,9 +14,7 @@ HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg&
   const RayArrays rays = ray_arrays(origins, directions, t_near, t_far);
   const Tracing tracing(self);
   HitBatch hits(rays.origins.shape(0));
-  const HitArrays arrays{hits.t.mutable_data(),       hits.instance_id.mutable_data(),
-                         hits.prim_id.mutable_data(), hits.u.mutable_data(),
-                         hits.v.mutable_data(),       hits.normal.mutable_data()};
+  const HitArrays arrays = hits.arrays();
   const Scene& scene = self.renderer.scene();
   const Sharing sharing = search == Search::trees ? Sharing{} : Sharing{0, 0, 1};
   for_blocks(self.renderer.executor(), rays.batch.packet_count(), sharing,

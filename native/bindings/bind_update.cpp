@@ -88,8 +88,9 @@ NumberDict quality(SceneHandle& self, bool fresh) {
   }
   return as<NumberDict>(py::dict(py::arg("sah_cost") = q.sah_cost,
                                  py::arg("culling_efficiency") = q.culling_efficiency,
-                                 py::arg("epo") = q.epo, py::arg("cost_ratio") = q.cost_ratio,
-                                 py::arg("depth") = q.depth, py::arg("bytes") = q.bytes));
+                                 py::arg("epo") = q.epo, py::arg("origin_cost") = q.origin_cost,
+                                 py::arg("cost_ratio") = q.cost_ratio, py::arg("depth") = q.depth,
+                                 py::arg("bytes") = q.bytes));
 }
 
 py::array_t<double> bounds(SceneHandle& self) {
@@ -125,8 +126,10 @@ nobody gave.)")
            R"(How good the trees are: a dict of
 
 `sah_cost` and `culling_efficiency`, expected tests of a ray that hits the scene; `epo`,
-the extra tests that overlap of nodes causes on surfaces; `cost_ratio`, the cost now over
-that of the last build, or of a full build made beside it if `fresh`; `depth`; `bytes`.
+the extra tests that overlap of nodes causes on surfaces; `origin_cost`, expected tests of
+a ray that starts anywhere in the scene's box (0 of a k-d tree); `cost_ratio`, the cost
+now over that of the last build, or of a full build made beside it if `fresh`; `depth`;
+`bytes`.
 
 Raises RuntimeError if the scene changed since its last update.)")
       .def("bounds", &bounds,

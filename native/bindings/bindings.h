@@ -24,5 +24,6 @@ void bind_points(SceneClass& scene);
 void bind_key_frames(SceneClass& scene);
 void bind_nodes(SceneClass& scene);
 void bind_render(SceneClass& scene);
+void bind_kdtree(pybind11::module_& module);
 
 }  // namespace regraft::bindings

@@ -71,6 +71,7 @@ isa: auto, scalar, sse, avx2 or avx512; one that the machine lacks raises ValueE
   bind_key_frames(scene);
   bind_nodes(scene);
   bind_render(scene);
+  bind_kdtree(module);
 }
 
 }  // namespace

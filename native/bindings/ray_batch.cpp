@@ -127,8 +127,9 @@ void RayBatch::pack(std::size_t p, RayPacket& rays) const {
   rays.active = usable_rays(rays);
 }
 
-void trace_closest(const RayBatch& batch, const trace::Tracer& tracer, const Scene& scene,
-                   Search search, std::size_t begin, std::size_t end, const HitArrays& out) {
+trace::TraceCounters trace_closest(const RayBatch& batch, const trace::Tracer& tracer,
+                                   const Scene& scene, Search search, std::size_t begin,
+                                   std::size_t end, const HitArrays& out) {
   RayPacket rays;
   HitPacket hits;
   trace::TraceCounters counters;
@@ -150,10 +151,11 @@ void trace_closest(const RayBatch& batch, const trace::Tracer& tracer, const Sce
       }
     }
   }
+  return counters;
 }
 
-void trace_any(const RayBatch& batch, const trace::Tracer& tracer, std::size_t begin,
-               std::size_t end, bool* hit) {
+trace::TraceCounters trace_any(const RayBatch& batch, const trace::Tracer& tracer,
+                               std::size_t begin, std::size_t end, bool* hit) {
   RayPacket rays;
   trace::TraceCounters counters;
   for (std::size_t p = begin; p < end; ++p) {
@@ -164,6 +166,7 @@ void trace_any(const RayBatch& batch, const trace::Tracer& tracer, std::size_t b
       hit[p * packet_capacity + i] = ((found & rays.active) >> i & 1) != 0;
     }
   }
+  return counters;
 }
 
 }  // namespace regraft::bindings

@@ -20,7 +20,15 @@ UPDATE_FIELDS = [
     *("pairs_considered", "pairs_restructured", "culling_efficiency", "cost_ratio"),
     *("kdtree_nodes", "kdtree_built_fraction", "memory_bytes", "left_out", "warnings"),
 ]
-QUALITY_FIELDS = ["sah_cost", "culling_efficiency", "epo", "cost_ratio", "depth", "bytes"]
+QUALITY_FIELDS = [
+    "sah_cost",
+    "culling_efficiency",
+    "epo",
+    "origin_cost",
+    "cost_ratio",
+    "depth",
+    "bytes",
+]
 
 
 @pytest.fixture
@@ -262,11 +270,13 @@ def test_quality_says_what_it_promises(scene: regraft.Scene) -> None:
         "sah_cost",
         "culling_efficiency",
         "epo",
+        "origin_cost",
         "cost_ratio",
         "depth",
         "bytes",
     ]
     assert quality["sah_cost"] > 0
+    assert quality["origin_cost"] > 1
     assert scene.quality(fresh=True)["cost_ratio"] == pytest.approx(1.0)
 
 

@@ -92,6 +92,72 @@ class HitBatch:
         """
     def __len__(self) -> int: ...
 
+class KdTree:
+    """A k-d tree of its own over what a scene shows.
+
+    For studies: it is built as the caller says, and counts what rays take in it. As long as it
+    lives, the scene cannot change.
+    """
+    def __init__(
+        self,
+        scene: Scene,
+        build: str = "lazy+scan+hierarchy",
+        *,
+        epsilon: float = 0.3,
+        samples: SupportsIndex = 15,
+        metric: str = "sah",
+        origins: npt.ArrayLike | None = None,
+    ) -> None:
+        """scene: updated with structure "kdtree". build: "eager", or of lazy, scan and hierarchy
+        those that are on, joined by +.
+
+        epsilon, samples: of the scan; see `split_errors`. metric: sah, regions6, regions26, faces
+        or exact; all but the first suppose rays that start in the box `origins` (2, 3).
+
+        Raises ValueError for what is none of these, RuntimeError if the scene changed since its
+        last update.
+        """
+    def closest_hit(
+        self,
+        origins: npt.NDArray[np.float32] | npt.NDArray[np.float64],
+        directions: npt.NDArray[np.float32] | npt.NDArray[np.float64],
+        t_near: float | npt.NDArray[np.float32] = 0.0,
+        t_far: float | npt.NDArray[np.float32] = float("inf"),
+    ) -> HitBatch:
+        """As `Scene.closest_hit`, and the same bits."""
+    def any_hit(
+        self,
+        origins: npt.NDArray[np.float32] | npt.NDArray[np.float64],
+        directions: npt.NDArray[np.float32] | npt.NDArray[np.float64],
+        t_near: float | npt.NDArray[np.float32] = 0.0,
+        t_far: float | npt.NDArray[np.float32] = float("inf"),
+    ) -> npt.NDArray[np.bool_]:
+        """As `Scene.any_hit`."""
+    def statistics(self) -> dict[str, float]:
+        """What is built of the tree, and what all its rays have taken so far: a dict of
+
+        `nodes`, `leaves`, `depth`, `references`, `bytes`, `sam_cost`, `quality` (smaller is better;
+        NaN below two triangles), `built_fraction`, `nodes_visited`, `triangle_tests`.
+        """
+    def choose_metric(
+        self, pilot: npt.NDArray[np.float32] | npt.NDArray[np.float64], camera: npt.ArrayLike
+    ) -> tuple[str, npt.NDArray[np.float64]]:
+        """The metric by which to split for rays that start where those of a sample start.
+
+        pilot: (N, 3), origins of the sample's rays; of a ray to a light, the light. camera: where
+        the eye is. Returns "sah", or "regions6" where most of them lie inside the scene, and the
+        box (2, 3) in which nearly all do.
+        """
+    def split_errors(self, settings: Sequence[tuple[float, int]]) -> list[dict[str, float]]:
+        """How far splits of scans are from the best, over the nodes of the exact tree.
+
+        settings: of each scan epsilon, the error it may leave, and the number of planes of each
+        of its two passes if that is infinite: one less than a power of two, at most 63. Returns
+        for each a dict of `nodes_compared`, `worst_excess`, `mean_excess` (cost over the least
+        possible cost, less 1), `worst_certificate`, `mean_certificate` (what the scan proves),
+        `mean_samples` (planes tried). Nodes of so few entries that scans sort them do not count.
+        """
+
 class NodeBatch:
     """Nodes of the trees, one element a node."""
     @property
@@ -310,8 +376,10 @@ class Scene:
         """How good the trees are: a dict of
 
         `sah_cost` and `culling_efficiency`, expected tests of a ray that hits the scene; `epo`,
-        the extra tests that overlap of nodes causes on surfaces; `cost_ratio`, the cost now over
-        that of the last build, or of a full build made beside it if `fresh`; `depth`; `bytes`.
+        the extra tests that overlap of nodes causes on surfaces; `origin_cost`, expected tests of
+        a ray that starts anywhere in the scene's box (0 of a k-d tree); `cost_ratio`, the cost
+        now over that of the last build, or of a full build made beside it if `fresh`; `depth`;
+        `bytes`.
 
         Raises RuntimeError if the scene changed since its last update.
         """

@@ -17,6 +17,7 @@ struct Quality {
   double sah_cost = 0.0;
   double culling_efficiency = 0.0;
   double epo = 0.0;
+  double origin_cost = 0.0;  ///< of a ray that starts in the scene; 0 of a k-d tree
   double cost_ratio = 1.0;
   std::uint32_t depth = 0;
   std::uint64_t bytes = 0;

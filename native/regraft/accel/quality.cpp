@@ -5,6 +5,7 @@
 #include <random>
 
 #include "regraft/accel/accelerator_state.h"
+#include "regraft/accel/origin_cost.h"
 #include "regraft/kdtree/statistics.h"
 
 namespace regraft::accel {
@@ -143,6 +144,8 @@ Quality Accelerator::quality(const Scene& scene, bool fresh, Executor& executor)
     return whole_kdtree(state.kdtree, state.bytes_without_kdtree, executor);
   q.sah_cost = state.tlas.sah_cost(state.instances);
   q.culling_efficiency = state.tlas.culling_efficiency(state.instances);
+  q.origin_cost =
+      origin_cost(state.tlas, state.instances, state.last_options.layout == Layout::two_level);
   q.cost_ratio = state.last.cost_ratio;
   q.epo = end_point_overlap(scene, state.instances, state.tlas,
                             state.last_options.layout == Layout::flat);
