@@ -17,7 +17,14 @@ RANDOM = np.random.default_rng(3)
 
 def rows(cost: Any, epo: Any, observed: Any, policy: str = "refit") -> list[Row]:
     return [
-        {"frame": i, "policy": policy, "predicted": c, "epo": e, "observed": o}
+        {
+            "frame": i,
+            "policy": policy,
+            "predicted": c,
+            "epo": e,
+            "origin_cost": c - e,
+            "observed": o,
+        }
         for i, (c, e, o) in enumerate(zip(cost, epo, observed, strict=True), 1)
     ]
 
@@ -58,6 +65,12 @@ def test_alpha_is_found() -> None:
     assert prediction.best_alpha(cost, epo, 0.29 * cost + 0.71 * epo) == pytest.approx(0.71)
     table = prediction.summary(rows(cost, epo, 0.29 * cost + 0.71 * epo))
     assert table[-1]["pearson_both"] == pytest.approx(1.0)
+
+
+def test_the_cost_of_rays_from_inside_predicts_as_well() -> None:
+    cost, epo = RANDOM.normal(size=(2, 50))
+    table = prediction.summary(rows(cost, epo, 3.0 * (cost - epo)))
+    assert table[-1]["pearson_origins"] == pytest.approx(1.0)
 
 
 def test_promises_are_kept_within_a_quarter() -> None:

@@ -1,7 +1,9 @@
 """Prediction against observation: does what a tree promises say what rays find?
 
 Promised: C(root), the tests expected of a random ray (Yoon, Curtis, Manocha, EGSR 2007, Eq. 1; they
-found correlations of 0.7 to 0.9), and end-point overlap (Aila, Karras, Laine, HPG 2013, Eq. 2).
+found correlations of 0.7 to 0.9), end-point overlap (Aila, Karras, Laine, HPG 2013, Eq. 2), and the
+cost weighted by p_N, for rays that start in the scene (Fabianowski, Fowler, Dingliana, Eurographics
+2009, Eq. 9).
 Found: the tests that the picture's rays needed.
 """
 
@@ -54,6 +56,7 @@ def measure(
                     "policy": policy,
                     "predicted": updated.culling_efficiency,
                     "epo": quality["epo"],
+                    "origin_cost": quality["origin_cost"],
                     "observed": picture.statistics.observed_cost,
                     "pairs_restructured": updated.pairs_restructured,
                 },
@@ -120,8 +123,9 @@ def summary(rows: Sequence[Row]) -> list[Row]:
 
 
 def _summary(name: str, rows: Sequence[Row]) -> Row:
-    cost, epo, observed = (
-        np.array([row[key] for row in rows], np.float64) for key in ("predicted", "epo", "observed")
+    cost, epo, origins, observed = (
+        np.array([row[key] for row in rows], np.float64)
+        for key in ("predicted", "epo", "origin_cost", "observed")
     )
     alpha = best_alpha(cost, epo, observed)
     linear = with_interval(pearson, cost, observed)
@@ -133,6 +137,7 @@ def _summary(name: str, rows: Sequence[Row]) -> Row:
         "pearson_high": linear and linear.high,
         "spearman": spearman(cost, observed),
         "pearson_epo": pearson(epo, observed),
+        "pearson_origins": pearson(origins, observed),
         "alpha": None if linear is None else alpha,
         "pearson_both": pearson((1 - alpha) * cost + alpha * epo, observed),
     }

@@ -19,6 +19,7 @@ COLUMNS = {
     "pearson_high": "to",
     "spearman": "rank correlation",
     "pearson_epo": "r of EPO and tests",
+    "pearson_origins": "r of p_N cost and tests",
     "alpha": "best α",
     "pearson_both": "r with both",
 }
@@ -31,7 +32,8 @@ def section(name: str, rows: Sequence[Row], operations: Sequence[Row]) -> Sectio
     found.tables.append(Table(COLUMNS, table, len(table) - 1))
     found.notes.append(
         "C is the number of tests expected of a random ray that hits the scene's box, EPO the "
-        "tests that overlap causes at points on surfaces, tests are those of the picture's rays. "
+        "tests that overlap causes at points on surfaces, the p_N cost the tests expected of a ray "
+        "that starts anywhere in the scene's box; tests are those of the picture's rays. "
         "The predictor with both is (1−α)·C + α·EPO. Intervals come from 2,000 resamplings."
     )
     _draw(name, rows, found.plots)
