@@ -95,6 +95,7 @@ def test_a_report_writes_every_file(tmp_path: Path, plot: plots.Plot) -> None:
     report.lines["numbers"] = [{"a": float("nan")}]
     assert report.write(tmp_path).read_text("utf-8").startswith("<!DOCTYPE html>")
     names = ["a_b.png", "a_b.svg", "index.html", "numbers.csv", "numbers.jsonl"]
+    names.append("verdicts.jsonl")
     assert sorted(p.name for p in tmp_path.iterdir()) == names
     with (tmp_path / "numbers.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))

@@ -37,7 +37,7 @@ def test_a_mapped_ray_hits_the_same_at_the_same_t() -> None:
         hit = mirror.closest_hit(there.origins, there.directions)
         assert hit.t[0] == pytest.approx(2.0, rel=1e-6), axis
         assert stability.brightness(hit, DOWN, m) == pytest.approx(1.0), axis
-        assert stability._errors(mirror, DOWN, hit) == pytest.approx(0.0, abs=1.0)
+        assert stability._errors(mirror, DOWN, hit, m) == pytest.approx(0.0, abs=1.0)
         assert stability._unequal(mirror, there, hit) == 0
 
 
@@ -47,7 +47,7 @@ def test_an_error_of_t_is_counted_in_ulps() -> None:
         # The largest coordinate at hand is 4, a unit of t is 2 long.
         t = np.array([2.0 + ulps * 4 * 2.0**-23 / 2])
         said = SimpleNamespace(t=t, instance_id=np.array([0]), prim_id=np.array([1]))
-        assert stability._errors(mirror, DOWN, said) == pytest.approx(ulps)
+        assert stability._errors(mirror, DOWN, said, np.eye(4)) == pytest.approx(ulps)
 
 
 def test_a_wrong_answer_is_found() -> None:

@@ -8,16 +8,20 @@ from regraft.cli import (
     study_compare,
     study_image,
     study_lazy,
+    study_origins,
     study_prediction,
+    study_scan,
     study_stability,
     study_update,
 )
 
 KINDS = (
+    study_scan,
     study_update,
     study_image,
     study_prediction,
     study_lazy,
+    study_origins,
     study_stability,
     study_compare,
 )

@@ -39,7 +39,7 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
 
 def run(args: argparse.Namespace, console: Console) -> int:
     """Runs `regraft study compare`; raises CommandError. Returns the exit code."""
-    study_frame.prepare(args.output, [args.a, args.b])
+    study_frame.prepare(args, [args.a, args.b])
     pairs = compare.pair(_read(args.a), _read(args.b))
     if not pairs:
         raise InputError(f"{args.a} and {args.b} have no frame in common")

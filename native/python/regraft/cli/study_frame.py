@@ -53,7 +53,7 @@ def add_options(parser: argparse.ArgumentParser, kind: str) -> None:
 
 
 def add_output(parser: argparse.ArgumentParser, kind: str) -> None:
-    """--output."""
+    """--output, --no-plots."""
     parser.add_argument(
         "--output",
         type=Path,
@@ -61,13 +61,18 @@ def add_output(parser: argparse.ArgumentParser, kind: str) -> None:
         default=Path(f"study_{kind}"),
         help="folder for the results (default: %(default)s)",
     )
+    parser.add_argument(
+        "--no-plots", action="store_true", help="leave figures out; needs no matplotlib"
+    )
 
 
-def prepare(folder: Path, files: Sequence[Path]) -> None:
+def prepare(args: argparse.Namespace, files: Sequence[Path]) -> None:
     """Finds out before any work what would stop it at the end. Raises InputError, OutputError."""
     for path in files:
         if not path.is_file():
             raise InputError(f"cannot read {path}: no such file")
+    folder: Path = args.output
+    plots.are_wanted = not args.no_plots
     try:
         plots.require()
         atomic.prepare_folder(folder)

@@ -47,7 +47,7 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
 
 def run(args: argparse.Namespace, console: Console) -> int:
     """Runs `regraft study image`; raises CommandError. Returns the exit code."""
-    study_frame.prepare(args.output, args.files)
+    study_frame.prepare(args, args.files)
     try:
         image_error.require()
     except ImportError as error:

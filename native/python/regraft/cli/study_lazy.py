@@ -35,7 +35,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
     """Runs `regraft study lazy`; raises CommandError. Returns the exit code."""
     if "kdtree" not in offers.structures():
         raise UsageError("this version of the library has no k-d tree")
-    study_frame.prepare(args.output, args.files)
+    study_frame.prepare(args, args.files)
     report = study_frame.start(
         "The lazy k-d tree", threads=args.threads or "all cores", picture=f"{args.size}² pixels"
     )

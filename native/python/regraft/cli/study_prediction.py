@@ -37,7 +37,7 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
 
 def run(args: argparse.Namespace, console: Console) -> int:
     """Runs `regraft study prediction`; raises CommandError. Returns the exit code."""
-    study_frame.prepare(args.output, args.files)
+    study_frame.prepare(args, args.files)
     report = study_frame.start("Prediction against observation", picture=f"{args.size}² pixels")
     settings = aging.Settings(args.size, 0, args.threads)
     with Interrupt(console).watching() as interrupt:

@@ -7,7 +7,7 @@ import argparse
 from regraft.cli import options, study_frame
 from regraft.cli.console import Console
 from regraft.cli.interrupt import Interrupt
-from regraft.study import offers, stability, stability_report
+from regraft.study import stability, stability_report
 
 
 def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -33,13 +33,11 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
 
 def run(args: argparse.Namespace, console: Console) -> int:
     """Runs `regraft study stability`; raises CommandError. Returns the exit code."""
-    study_frame.prepare(args.output, args.files)
+    study_frame.prepare(args, args.files)
     report = study_frame.start("Numerical stability", picture=f"{args.size}² pixels")
     with Interrupt(console).watching() as interrupt:
         for name, shot in study_frame.shots(args, console, interrupt):
-            settings = sum(map(len, stability.EXPONENTS.values())) * len(stability.keepings())
-            steps = len(stability.TIME_STEPS) * len(offers.policies()) if len(shot) > 1 else 0
-            with study_frame.steps(name, settings + steps, console, interrupt) as tick:
+            with study_frame.steps(name, stability.steps(shot), console, interrupt) as tick:
                 rows = list(stability.measure(shot, args.size, args.threads, tick))
                 rows += stability.measure_steps(shot, args.size, args.threads, tick)
             report.sections.append(stability_report.section(name, rows))

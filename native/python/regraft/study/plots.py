@@ -6,7 +6,7 @@ import io
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,6 +39,10 @@ _STYLE: dict[str, Any] = {
 }
 
 
+# Without, `drawing` draws nothing.
+are_wanted = True
+
+
 @dataclass(frozen=True)
 class Plot:
     """A finished figure under the name of its files, with a sentence that says what to see."""
@@ -50,7 +54,9 @@ class Plot:
 
 
 def require() -> None:
-    """Raises ImportError, with what to do, where matplotlib is missing."""
+    """Raises ImportError, with what to do, where matplotlib is wanted and missing."""
+    if not are_wanted:
+        return
     try:
         import matplotlib.pyplot  # noqa: F401
     except ImportError as error:
@@ -60,6 +66,9 @@ def require() -> None:
 @contextmanager
 def drawing(name: str, caption: str, into: list[Plot], **style: Any) -> Iterator[Axes]:
     """Yields axes to draw on; the figure joins `into` when the block ends."""
+    if not are_wanted:
+        yield cast("Axes", _NoAxes())
+        return
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -72,6 +81,13 @@ def drawing(name: str, caption: str, into: list[Plot], **style: Any) -> Iterator
         figure.savefig(png, format="png", dpi=120, metadata={"Software": None})
         figure.savefig(svg, format="svg", metadata={"Date": None, "Creator": "regraft"})
     into.append(Plot(name, caption, png.getvalue(), svg.getvalue()))
+
+
+class _NoAxes:
+    """Takes whatever is drawn, and shows nothing."""
+
+    def __getattr__(self, _name: str) -> Any:
+        return lambda *_args, **_kwargs: None
 
 
 def colour(name: str, position: int = 0) -> str:
@@ -91,6 +107,8 @@ def lines(axes: Axes, series: Mapping[str, tuple[Sequence[float], Sequence[float
 
 def log_scale(axes: Axes, which: str = "y") -> None:
     """Makes that axis logarithmic, with plain numbers at the ticks."""
+    if isinstance(axes, _NoAxes):
+        return
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     axis = axes.xaxis if which == "x" else axes.yaxis

@@ -12,13 +12,14 @@ from regraft.formats import atomic
 from regraft.study import tidy
 from regraft.study.page import Page, Section
 
-PAGE = "index.html"
+PAGE, VERDICTS = "index.html", "verdicts.jsonl"
 Row = Mapping[str, Any]
 
 
 @dataclass
 class Report:
-    """A study's results: `tables` become NAME.csv, `lines` NAME.jsonl."""
+    """A study's results: `tables` become NAME.csv, `lines` NAME.jsonl, what is said of each scene
+    verdicts.jsonl."""
 
     title: str
     facts: Mapping[str, Any]
@@ -36,6 +37,8 @@ class Report:
             tidy.write_csv(folder / f"{name}.csv", rows)
         for name, rows in self.lines.items():
             tidy.write_jsonl(folder / f"{name}.jsonl", rows)
+        told = [{"scene": s.title, "verdict": s.verdict, "wrong": s.wrong} for s in self.sections]
+        tidy.write_jsonl(folder / VERDICTS, told)
         for plot in (plot for section in self.sections for plot in section.plots):
             stem = file_name(plot.name)
             atomic.write_bytes(folder / f"{stem}.png", plot.png)

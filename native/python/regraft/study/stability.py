@@ -28,10 +28,13 @@ EXPONENTS = {
     "aspect": (2, 4, 6, 8, 10, 12, 14, 16, 20, 24, 28),
 }
 TIME_STEPS = (1.0, 10.0, 100.0)
+# Of a shot that is played in greater steps: frames that are updated, and those in which rays are
+# traced as well.
+MOST_FRAMES, MOST_LOOKS = 24, 6
 # A pixel that differs by more than this has changed.
 VISIBLE = 1.0 / 255.0
 # Rays times triangles that brute force may test for one row.
-_BRUTE_TESTS = 2e7
+_BRUTE_TESTS = 1e7
 
 
 @dataclass(frozen=True)
@@ -49,8 +52,9 @@ class Rays:
 
 
 def keepings() -> list[tuple[str, str]]:
-    """Structure and layout of every way to keep a scene."""
-    return [(s, layout) for s in offers.structures() for layout in offers.LAYOUTS]
+    """Structure and layout of every way to keep a scene; a k-d tree knows no layouts."""
+    bvhs = [("bvh", layout) for layout in offers.LAYOUTS]
+    return bvhs + [(s, offers.LAYOUTS[0]) for s in offers.structures() if s != "bvh"]
 
 
 def camera_rays(camera: regraft.Camera, bounds: Numbers, side: int) -> Rays:
@@ -134,26 +138,39 @@ class _Found:
 def _found(mirror: Mirror, rays: Rays, m: Numbers) -> _Found:
     there = rays.mapped(m)
     hits = mirror.closest_hit(there.origins, there.directions)
-    return _Found(hits, _errors(mirror, rays, hits), _unequal(mirror, there, hits))
+    return _Found(hits, _errors(mirror, rays, hits, m), _unequal(mirror, there, hits))
 
 
-def _errors(mirror: Mirror, rays: Rays, hits: Any) -> Numbers:
-    """|t − t of the triangle's plane| in ulps of the largest coordinate at hand, for each hit."""
+def _errors(mirror: Mirror, rays: Rays, hits: Any, m: Numbers) -> Numbers:
+    """|t − t of the triangle's plane| for each hit, in ulps of the largest coordinate at hand over
+    the direction's length, both where the scene was mapped to by `m`: one such ulp is what a
+    corner's rounding may do to t. True ones are taken from the scene as it is."""
     met = np.isfinite(hits.t)
-    aimed = rays[met]
+    aimed, there = rays[met], rays[met].mapped(m)
     corners = mirror.corners(hits.instance_id[met], hits.prim_id[met])
-    edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    normal = np.cross(edge1, edge2)
+    normal = _normals(corners)
     along = np.einsum("ij,ij->i", aimed.directions, normal)
     start = np.einsum("ij,ij->i", corners[:, 0] - aimed.origins, normal)
-    length = np.linalg.norm(aimed.directions, axis=1)
+    mapped = corners @ m[:3, :3].T + m[:3, 3]
     # A grazing ray's t says little: there the error counts across the plane.
-    cosine = np.abs(along) / (length * np.linalg.norm(normal, axis=1))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        off = np.abs(hits.t[met] - start / along) * cosine
-    largest = np.maximum(np.abs(aimed.origins).max(axis=1), np.abs(corners).max(axis=(1, 2)))
-    ulps = off * length / (largest * 2.0**-23)
+    facing = _normals(mapped)
+    with np.errstate(all="ignore"):
+        facing /= np.linalg.norm(facing, axis=1)[:, None]
+        across = np.abs(np.einsum("ij,ij->i", there.directions, facing))
+        off = np.abs(hits.t[met] - start / along) * across
+        largest = np.maximum(np.abs(there.origins).max(axis=1), np.abs(mapped).max(axis=(1, 2)))
+        ulps = off / (largest * 2.0**-23)
     return np.asarray(ulps[np.isfinite(ulps)])
+
+
+def _normals(corners: Numbers) -> Numbers:
+    """(N, 3) of (N, 3, 3) corners, as long as edges that are at most 1: scales of 1e±30 have no
+    squares of areas."""
+    edges = corners[:, 1:] - corners[:, :1]
+    longest = np.abs(edges).max(axis=(1, 2), keepdims=True)
+    with np.errstate(all="ignore"):
+        edges = edges / longest
+    return np.asarray(np.cross(edges[:, 0], edges[:, 1]))
 
 
 def _unequal(mirror: Mirror, there: Rays, hits: Any) -> int:
@@ -189,10 +206,16 @@ def brightness(hits: Any, rays: Rays, m: Numbers) -> Numbers:
     return pixels
 
 
+def steps(shot: Shot) -> int:
+    """How often `measure` and `measure_steps` together call `tick`."""
+    settings = sum(map(len, EXPONENTS.values())) * len(keepings())
+    return settings + (len(TIME_STEPS) * len(offers.policies()) if len(shot) > 1 else 0)
+
+
 def measure_steps(
     shot: Shot, side: int, threads: int, tick: Callable[[object], None]
 ) -> Iterator[Row]:
-    """A row for each time step and policy: the worst of all frames, motion exaggerated."""
+    """A row for each time step and policy: the worst of the shot, motion exaggerated."""
     for step in TIME_STEPS if len(shot) > 1 else ():
         for policy in offers.policies():
             worst: Row = {}
@@ -204,13 +227,16 @@ def measure_steps(
 
 
 def _play(shot: Shot, side: int, threads: int, step: float, policy: str) -> Iterator[Row]:
+    """Every frame is updated; rays are traced in some, the last among them."""
     mirror = Mirror(regraft.Scene(threads=threads), step)
-    for position in range(len(shot)):
+    count = min(len(shot), MOST_FRAMES)
+    looked_at = {round(i) for i in np.linspace(1, count - 1, min(count - 1, MOST_LOOKS))}
+    for position in range(count):
         shot.apply(position, mirror)
         if policy == "shot":
             key_frames.give(shot, mirror.scene, position)
         mirror.update(policy=policy)
-        if position and mirror.counts()["triangles"]:
+        if position in looked_at and mirror.counts()["triangles"]:
             rays = _through(mirror.bounds(), side * side // 4, position)
             yield _found(mirror, rays, np.eye(4)).row()
 

@@ -35,11 +35,12 @@ def section(name: str, rows: Sequence[Row]) -> Section:
     found = Section(name, verdict, wrong)
     found.tables.append(Table(COLUMNS, [{**row, "setting": setting(row)} for row in rows]))
     found.notes += [
-        "An ulp is that of the largest coordinate of ray and triangle, in the scene as it is; the "
-        "error is taken across the triangle's plane, in double precision.",
+        "An ulp is that of the largest coordinate of ray and triangle where the setting puts them; "
+        "the error is taken across the triangle's plane, in double precision. Up to 16 are due "
+        "to rounding.",
         "A pixel has changed if its brightness, lit from the eye, differs by more than 1/255.",
-        "Time steps exaggerate all motion away from the first frame; errors are the worst of all "
-        "frames.",
+        "Time steps exaggerate all motion away from the first frame; errors are the worst of "
+        f"{stability.MOST_LOOKS} frames among the first {stability.MOST_FRAMES}.",
     ]
     for axis in dict.fromkeys(row["axis"] for row in rows):
         _draw(name, axis, [row for row in rows if row["axis"] == axis], found.plots)

@@ -1,0 +1,62 @@
+"""`regraft study origins`: whether k-d trees should suppose rays that start inside the scene."""
+
+from __future__ import annotations
+
+import argparse
+from math import inf
+
+from regraft.cli import options, study_frame
+from regraft.cli.console import Console
+from regraft.cli.interrupt import Interrupt
+from regraft.study import origins, origins_report
+
+REPEATS = 5
+MINUTES = 4.0
+
+
+def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Adds `study origins`."""
+    parser = kinds.add_parser(
+        "origins",
+        help="k-d trees: by which chances to split, given where rays start",
+        description="Build k-d trees of the first frame by the surface area heuristic and by four "
+        "ways to compute p_N, the chance that a ray which starts inside the scene visits a box; "
+        "count what primary rays, shadow rays to a light inside and outside, and reflected ones "
+        "take in each. All trees must hit the same (exit code 1).",
+    )
+    parser.set_defaults(run=run)
+    study_frame.add_options(parser, "origins")
+    parser.add_argument(
+        "--size",
+        type=options.whole_number(4, 4096),
+        default=64,
+        metavar="N",
+        help="pixels of the square picture's side (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--repeats",
+        type=options.whole_number(1, 1000),
+        metavar="N",
+        help="builds of every tree; times are their medians (default: "
+        f"{REPEATS}, fewer where that would take more than {MINUTES:g} minutes)",
+    )
+
+
+def run(args: argparse.Namespace, console: Console) -> int:
+    """Runs `regraft study origins`; raises CommandError. Returns the exit code."""
+    study_frame.prepare(args, args.files)
+    report = study_frame.start(
+        "Where rays start", threads=args.threads or "all cores", picture=f"{args.size}² pixels"
+    )
+    repeats, minutes = args.repeats or REPEATS, inf if args.repeats else MINUTES
+    settings = origins.Settings(args.size, repeats, minutes)
+    with Interrupt(console).watching() as interrupt:
+        for name, shot in study_frame.shots(args, console, interrupt):
+            with study_frame.steps(name, settings.steps(), console, interrupt) as tick:
+                room = origins.room_of(shot, args.size, args.threads)
+                rows = list(origins.measure(room, settings, tick))
+            table = origins.table(rows)
+            report.sections.append(origins_report.section(name, room, rows, table))
+            report.add("origins", rows, name)
+            report.add("origins_metrics", table, name)
+    return study_frame.finish(report, args.output, console)
