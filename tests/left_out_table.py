@@ -26,8 +26,9 @@ What the first {FRAMES} frames of each scene did not need and so did not do, as 
 everything that is seen. Made by `tests/left_out_table.py`; `regraft render … --explain` tells the
 same of every frame.
 
-| scene | triangles | frame | left out |
-|---|---|---|---|"""
+| scene | triangles | frame | bytes of geometry not read | left out |
+|---|---|---|---|---|"""
+_BYTES = re.compile(r"^([\d,]+) of ([\d,]+) bytes of geometry not read$")
 
 
 def statistics(path: Path) -> list[Row]:
@@ -67,12 +68,23 @@ def lines(path: Path) -> list[str]:
         return []
     parts = (("first", rows[:1]), ("later", rows[1:]))
     name = f"{path.stem} | {rows[0]['triangles']:,}"
-    return [f"| {name} | {when} | {sentences(part)} |" for when, part in parts if part]
+    return [
+        f"| {name} | {when} | {unread(part):.1%} | {sentences(part)} |"
+        for when, part in parts
+        if part
+    ]
+
+
+def unread(rows: list[Row]) -> float:
+    """Share of the bytes of meshes and matrices that these frames did not read."""
+    found = [m.groups() for row in rows for m in map(_BYTES.match, row["left_out"]) if m]
+    shares = [int(a.replace(",", "")) / int(b.replace(",", "")) for a, b in found]
+    return sum(shares) / len(rows)
 
 
 def sentences(rows: list[Row]) -> str:
     """Each sentence, with the number of frames that said it if not all did."""
-    counts = Counter(words for row in rows for words in row["left_out"])
+    counts = Counter(words for row in rows for words in row["left_out"] if not _BYTES.match(words))
     return (
         "; ".join(
             words if n == len(rows) else f"{words} ({n} of {len(rows)} frames)"

@@ -41,7 +41,7 @@ class Engine:
 
 def run(monkeypatch: pytest.MonkeyPatch, *broken: str) -> tuple[dict[str, Any], list[Any]]:
     log: list[tuple[str, int]] = []
-    monkeypatch.setattr(bench_sync, "_worker_command", lambda: ["blender"])
+    monkeypatch.setattr(bench_sync, "worker_command", lambda: ["blender"])
     monkeypatch.setattr(
         bench_sync, "SubprocessBackend", lambda c, v: Engine(c, v, log=log, broken=broken)
     )

@@ -34,6 +34,11 @@ class Listing:
     matrices: Matrices
     names: Flags
 
+    @property
+    def nbytes(self) -> int:
+        """Of both."""
+        return self.matrices.nbytes + self.names.nbytes
+
     def lists_the_same(self, other: Listing) -> bool:
         """True if both hold the same instances in the same order, wherever they stand; given that
         no object came, went or was hidden."""
@@ -51,6 +56,7 @@ class DepsgraphReader:
         self._graph = 0
         self._flags = np.empty(0, np.int32)
         self._listing: Listing | None = None
+        self._is_listed = False
         self._lights: tuple[Any, ...] | None = None
         self._world: tuple[float, float, float] | None = None
 
@@ -92,12 +98,12 @@ class DepsgraphReader:
         delta: SceneDelta,
     ) -> None:
         flags, old_flags = _object_flags(depsgraph), self._flags
-        self._flags = flags
+        self._flags, self._is_listed = flags, False
         is_same = not everything and np.array_equal(flags, old_flags)
         if is_same and updates.is_empty:
             return
         listing, old = _read_listing(depsgraph), self._listing
-        self._listing = listing
+        self._listing, self._is_listed = listing, True
         is_same = is_same and old is not None and listing.lists_the_same(old)
         if is_same and not updates.is_structural and self._reads_alone(updates, delta):
             self.table.move(listing.matrices, delta)
@@ -158,11 +164,22 @@ class DepsgraphReader:
         unchanged = total - int(is_changed.sum())
         if unchanged:
             delta.left_out.append(f"{unchanged} of {total} objects unchanged: not read")
+        unread, of_all = self._unread_bytes()
+        if unread:
+            delta.left_out.append(f"{unread:,} of {of_all:,} bytes of geometry not read")
         if meshes.reads.unchanged:
             delta.left_out.append(f"{meshes.reads.unchanged} meshes read but unchanged: no refit")
         warnings, remarks = self.objects.notices.take()
         delta.warnings += warnings
         delta.left_out += remarks
+
+    def _unread_bytes(self) -> tuple[int, int]:
+        """Of meshes and matrices, this time; and what there is of both."""
+        meshes = self.objects.meshes
+        listed = 0 if self._listing is None else self._listing.nbytes
+        read = meshes.reads.bytes + (listed if self._is_listed else 0)
+        of_all = meshes.bytes() + listed
+        return max(0, of_all - read), of_all
 
 
 def _object_flags(depsgraph: bpy.types.Depsgraph) -> Flags:

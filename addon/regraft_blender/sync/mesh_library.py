@@ -29,6 +29,7 @@ class Record:
     shape: Shape | None = None
     checksum: int = 0
     slot_count: int = 1
+    bytes: int = 0
 
 
 @dataclass
@@ -55,6 +56,10 @@ class MeshLibrary:
 
     def __getitem__(self, handle: int) -> Record:
         return self._by_handle[handle]
+
+    def bytes(self) -> int:
+        """What reading all of them takes."""
+        return sum(record.bytes for record in self._by_handle.values())
 
     def invalidate(self, sources: set[int] | None) -> None:
         """Mark meshes that have to be read before they are next shown: all of them, or those that
@@ -100,8 +105,9 @@ class MeshLibrary:
     def _read_now(self, record: Record, mesh: bpy.types.Mesh, delta: SceneDelta) -> None:
         positions = mesh_reader.read_positions(mesh)
         shape = mesh_reader.read_shape(mesh)
+        record.bytes = positions.nbytes + shape.nbytes()
         self.reads.read += 1
-        self.reads.bytes += positions.nbytes + shape.nbytes()
+        self.reads.bytes += record.bytes
         checksum = int(positions.view(np.uint32).sum(dtype=np.uint64))
         is_still, record.checksum = checksum == record.checksum, checksum
         if record.shape is None:

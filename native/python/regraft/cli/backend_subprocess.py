@@ -72,6 +72,10 @@ class SubprocessBackend:
         row: dict[str, Any] = self._ask({"call": "render", "frame": frame, "path": str(path)})
         return row
 
+    def read_everything(self) -> None:
+        """See BlenderWorker.read_everything."""
+        self._ask({"call": "read_everything"})
+
     def begin_recording(self, folder: Path) -> None:
         """See BlenderWorker.begin_recording."""
         self._ask({"call": "begin_recording", "folder": str(folder)})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from regraft.cli import bench_kdtree, bench_sync, bench_update, options
+from regraft.cli import bench_kdtree, bench_omissions, bench_sync, bench_update, options
 from regraft.cli.console import Console
 from regraft.cli.errors import EXIT_OK, InputError
 from regraft.cli.machine import machine, save_result
@@ -24,6 +24,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     _add_sync(kinds)
     bench_update.add_parser(kinds)
     bench_kdtree.add_parser(kinds)
+    bench_omissions.add_parser(kinds)
 
 
 def _add_sync(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

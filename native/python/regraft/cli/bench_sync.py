@@ -73,7 +73,7 @@ def _attempt(contestant: Contestant, step: Callable[[Contestant], None]) -> None
 
 def _open(contestant: Contestant, count: int, verbose: bool) -> None:
     """Starts the process; its frames are `count` in a row from the middle of the file's range."""
-    contestant.backend = SubprocessBackend(_worker_command(), verbose)
+    contestant.backend = SubprocessBackend(worker_command(), verbose)
     frames = contestant.backend.open(contestant.job).frames
     first = max(0, (len(frames) - count) // 2)
     contestant.frames = frames[first : first + count]
@@ -124,7 +124,8 @@ def _engine_line(name: str, values: dict[str, Any]) -> str:
     )
 
 
-def _worker_command() -> list[str]:
+def worker_command() -> list[str]:
+    """Starts a Blender of its own."""
     program = find_program()
     return bpy_command() if program is None else blender_command(program)
 

@@ -6,6 +6,7 @@ import importlib
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partialmethod
 from typing import Any
 
 from regraft.cli.errors import InputError
@@ -67,6 +68,11 @@ class Engine:
         with self._addon.watched(writer) as recorder:
             yield recorder
 
+    def read_everything(self) -> None:
+        """From here on what has not changed is read as well: for benchmarks."""
+        assert self._addon
+        self._addon.read_everything()
+
     def close(self) -> None:
         """Takes handlers and add-on out of Blender."""
         self._clock.close()
@@ -109,6 +115,10 @@ class _Addon:
             yield recorder
         finally:
             self._session.new_scene = new_scene
+
+    def read_everything(self) -> None:
+        session = self._session.Session
+        session.synchronise = partialmethod(session.synchronise, everything=True)
 
     def close(self) -> None:
         self._session.remove_frame_listener(self._on_frame)

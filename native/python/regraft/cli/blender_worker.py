@@ -82,6 +82,11 @@ class BlenderWorker:
         row["total_ms"] = (time.perf_counter() - started) * 1e3
         return row
 
+    def read_everything(self) -> None:
+        """From here on frames read what has not changed as well: for benchmarks."""
+        assert self._engine
+        self._engine.read_everything()
+
     def begin_recording(self, folder: Path) -> None:
         """From here on frames are written down as a shot in `folder`, which exists.
 

@@ -52,6 +52,8 @@ def _call(worker: Any, request: dict[str, Any]) -> Any:
         return worker.open(RenderJob.from_json(request["job"])).as_json()
     if request["call"] == "probe":
         return worker.probe()
+    if request["call"] == "read_everything":
+        return worker.read_everything()
     if request["call"] == "begin_recording":
         return worker.begin_recording(Path(request["folder"]))
     if request["call"] == "record_frame":

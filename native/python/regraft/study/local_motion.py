@@ -17,7 +17,7 @@ Points = npt.NDArray[np.float32]
 def make(folder: Path, triangles: int, moving: int, frames: int) -> Shot:
     """`triangles` of hills over the unit square, `moving` of which tumble about in chunks of 200,
     as a shot in `folder`, which exists."""
-    ground, ground_faces = _hills(triangles - moving)
+    ground, ground_faces = hills(triangles - moving)
     debris, debris_faces = _chunks(moving)
     faces = np.concatenate([ground_faces, debris_faces + np.uint32(len(ground))])
     with ShotWriter(folder) as writer:
@@ -27,17 +27,19 @@ def make(folder: Path, triangles: int, moving: int, frames: int) -> Shot:
             if frame:
                 moved = _tumble(debris, frame).reshape(-1, 3)
                 writer.add_call("set_vertices", (0, np.concatenate([ground, moved])), {})
-            writer.end_frame(frame + 1, _camera())
+            writer.end_frame(frame + 1, view())
     return Shot(folder)
 
 
-def _camera() -> Camera:
+def view() -> Camera:
+    """Of the middle of the square."""
     middle = (0.2, 0.8)
     corners = np.array([[x, y, z] for x in middle for y in middle for z in (0.0, 0.2)])
     return frame_points(corners, 1.0)
 
 
-def _hills(triangles: int) -> tuple[Points, npt.NDArray[np.uint32]]:
+def hills(triangles: int) -> tuple[Points, npt.NDArray[np.uint32]]:
+    """About as many triangles over the unit square: vertices (V, 3), triangles (T, 3)."""
     side = max(1, round((triangles / 2) ** 0.5))
     axis = np.linspace(0.0, 1.0, side + 1)
     x, y = np.meshgrid(axis, axis, indexing="xy")
