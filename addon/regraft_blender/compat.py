@@ -41,6 +41,11 @@ def native() -> ModuleType:
     return module
 
 
+def library_folder() -> str:
+    """From where Python imports the library. Raises NativeMissingError."""
+    return str(Path(str(native().__file__)).parents[1])
+
+
 def problem() -> str:
     """Why the native library cannot be used, or an empty string."""
     try:

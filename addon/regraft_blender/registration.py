@@ -8,7 +8,7 @@ import logging
 import bpy
 
 from . import compat, engine, handlers, session
-from .ui import operators, overlay, panels, properties
+from .ui import operators, overlay, panels, properties, study
 
 log = logging.getLogger(__name__)
 
@@ -16,7 +16,9 @@ CLASSES = (
     *properties.CLASSES,
     *operators.CLASSES,
     engine.RegraftEngine,
-    *panels.CLASSES,
+    *panels.SIDEBAR,
+    *study.CLASSES,
+    *panels.PROPERTIES,
 )
 
 
@@ -43,6 +45,7 @@ def unregister() -> None:
     session.close_all()
     handlers.unregister()
     overlay.detach()
+    study.detach()
     panels.detach()
     properties.detach()
     for cls in reversed(CLASSES):

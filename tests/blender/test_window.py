@@ -41,6 +41,13 @@ if WINDOWED:
         assert "Traceback" not in output
 
     @pytest.mark.parametrize("blender", WINDOWED, indirect=True)
+    def test_study_in_the_sidebar(addon_blender: Blender, tmp_path: Path) -> None:
+        output = run_in_window(addon_blender, INSIDE / "window_study.py", tmp_path)
+        assert " checks passed" in output
+        assert "Traceback" not in output
+        assert (tmp_path / "study.png").stat().st_size > 10_000
+
+    @pytest.mark.parametrize("blender", WINDOWED, indirect=True)
     def test_viewport_and_buttons(addon_blender: Blender, tmp_path: Path) -> None:
         output = run_in_window(addon_blender, INSIDE / "window_viewport.py", tmp_path)
         assert " checks passed" in output

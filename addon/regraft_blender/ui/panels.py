@@ -287,14 +287,8 @@ def blenders_panels() -> list[Any]:
     return panels
 
 
-CLASSES = (
-    REGRAFT_PT_preview,
-    REGRAFT_PT_statistics,
-    REGRAFT_PT_overlay,
-    REGRAFT_PT_render,
-    REGRAFT_PT_film,
-    REGRAFT_PT_passes,
-)
+SIDEBAR = (REGRAFT_PT_preview, REGRAFT_PT_statistics, REGRAFT_PT_overlay)
+PROPERTIES = (REGRAFT_PT_render, REGRAFT_PT_film, REGRAFT_PT_passes)
 
 
 def attach() -> None:
