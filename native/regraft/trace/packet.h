@@ -315,6 +315,7 @@ class PacketTracer {
     const Float<R> local_t = min(far, max(near, test.t));
     const Float<R> t = min(Float<R>::load(local_.exit + base), max(entry, local_t));
     lanes &= (near <= far) & (start <= far) & (start <= t) & (t <= Float<R>::load(best_.t + base));
+    lanes &= (Float<R>(-infinity) < t) & (t < Float<R>(infinity));
     if (lanes == 0 || lacks_area(instance.mesh, c.prim)) return;
     if (AnyHit) {
       occlude(std::uint64_t(lanes) << base);

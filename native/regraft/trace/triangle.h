@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "regraft/simd/gather.h"
@@ -219,7 +220,8 @@ REGRAFT_INLINE void test_triangles(const LocalRay& ray, const MeshView& mesh,
   for (; lanes != 0; lanes &= lanes - 1) {
     const int i = __builtin_ctz(lanes);
     const float reported = world_t(ray, ts[i]);
-    if (reported < ray.t_near || lacks_area(mesh, prims[i])) continue;
+    // Beyond the range of floats there is nothing: t = inf says that nothing was hit.
+    if (!std::isfinite(reported) || reported < ray.t_near || lacks_area(mesh, prims[i])) continue;
     accept(i, reported, us[i], vs[i]);
   }
 }
