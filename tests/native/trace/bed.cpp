@@ -1,6 +1,8 @@
 #include "trace/bed.h"
 
+#include <algorithm>
 #include <array>
+#include <vector>
 
 namespace regraft::test {
 
@@ -18,6 +20,9 @@ constexpr std::array<Setup, 7> all_setups{
      {Policy::rebuild, Layout::flat},
      {Policy::automatic, Layout::flat},
      {Policy::automatic, Layout::two_level, Structure::kdtree}}};
+constexpr Policy all_policies[] = {
+    Policy::refit,    Policy::rebuild,   Policy::automatic,        Policy::lm,
+    Policy::rtdeform, Policy::selective, Policy::selective_rotate, Policy::shot};
 constexpr unsigned pool_sizes[] = {1, 2, 5};
 
 }  // namespace
@@ -30,10 +35,29 @@ std::span<const Setup> setups() {
   return all_setups;
 }
 
+std::span<const Setup> policies() {
+  static const std::vector<Setup> all = [] {
+    std::vector<Setup> list{{Policy::automatic, Layout::two_level, Structure::kdtree}};
+    for (const Policy policy : all_policies)
+      for (const Layout layout : {Layout::two_level, Layout::flat})
+        list.push_back({policy, layout});
+    return list;
+  }();
+  return all;
+}
+
 Bed::Bed() {
   for (const Setup& setup : all_setups)
     for (const int width : {4, 8}) add_slot(setup, width, false);
   add_slot(all_setups[0], 8, true);
+}
+
+Bed::Bed(std::span<const Setup> kinds) {
+  for (const Setup& setup : kinds) add_slot(setup, slots_.size() / 2 % 2 == 0 ? 8 : 4, false);
+}
+
+void Bed::note_rays(std::uint64_t rays) {
+  for (Slot& slot : slots_) slot.accelerator.note_rays(rays);
 }
 
 void Bed::add_slot(const Setup& setup, int width, bool fickle) {
@@ -108,6 +132,13 @@ const accel::UpdateStatistics& Bed::statistics(const Setup& setup) const {
   for (const Slot& slot : slots_)
     if (slot.setup == setup && !slot.fickle) return slot.statistics;
   return slots_[0].statistics;
+}
+
+bool Bed::warns(const Setup& setup, const std::string& words) const {
+  const std::vector<std::string>& said = statistics(setup).warnings;
+  return std::any_of(said.begin(), said.end(), [&](const std::string& sentence) {
+    return sentence.find(words) != std::string::npos;
+  });
 }
 
 }  // namespace regraft::test

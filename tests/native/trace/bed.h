@@ -19,8 +19,10 @@ struct Setup {
   friend std::ostream& operator<<(std::ostream& out, const Setup& setup);
 };
 
-/// Every way there is: what is added here is tested everywhere.
+/// The ways that differ in trees just built: what is added here is tested everywhere.
 std::span<const Setup> setups();
+/// Every policy in every layout, and the k-d tree: for what moves.
+std::span<const Setup> policies();
 
 /// A scene and all accelerators that may keep it: each setup with each width of nodes, on pools of
 /// 1, 2 and 5 threads, and one that changes its setup at every update. They live through the same
@@ -28,6 +30,8 @@ std::span<const Setup> setups();
 class Bed {
  public:
   Bed();
+  /// One accelerator for each of `kinds`, with nodes of either width by turns.
+  explicit Bed(std::span<const Setup> kinds);
 
   Scene scene;
 
@@ -36,6 +40,8 @@ class Bed {
   }
   void deform(std::uint32_t mesh, const Geometry& g) { scene.set_vertices(mesh, g.vertices); }
 
+  /// Tells all accelerators of rays that were traced: of many, and all damage is worth mending.
+  void note_rays(std::uint64_t rays);
   /// Brings all accelerators up to date.
   /// @return the first invariant of a tree that is broken, or "".
   std::string update();
@@ -56,6 +62,8 @@ class Bed {
 
   /// What the accelerators of a setup said at the last update.
   const accel::UpdateStatistics& statistics(const Setup& setup) const;
+  /// Whether a warning of it holds these words.
+  bool warns(const Setup& setup, const std::string& words) const;
 
  private:
   struct Slot {
