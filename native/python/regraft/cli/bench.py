@@ -5,7 +5,14 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from regraft.cli import bench_kdtree, bench_omissions, bench_sync, bench_update, options
+from regraft.cli import (
+    bench_kdtree,
+    bench_omissions,
+    bench_sync,
+    bench_trace,
+    bench_update,
+    options,
+)
 from regraft.cli.console import Console
 from regraft.cli.errors import EXIT_OK, InputError
 from regraft.cli.machine import machine, save_result
@@ -23,6 +30,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     kinds = bench.add_subparsers(title="benchmarks", required=True, metavar="WHAT")
     _add_sync(kinds)
     bench_update.add_parser(kinds)
+    bench_trace.add_parser(kinds)
     bench_kdtree.add_parser(kinds)
     bench_omissions.add_parser(kinds)
 
