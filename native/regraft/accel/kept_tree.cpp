@@ -29,10 +29,6 @@ constexpr double morton_excess = 0.15;
 /// How fast a frame in which nothing was tried lets the past be forgotten.
 constexpr double forgetting = 0.02;
 
-/// Box tests of the cost model that visiting a wide node, or testing a triangle, costs: 30 ns where
-/// the model's unit, by what builds take, is 3.8.
-constexpr double visit_cost = 8.0;
-
 double blend(double old, double realised, double predicted) {
   return std::clamp(0.5 * old + 0.5 * realised / predicted, least_yield, 1.5);
 }
@@ -97,7 +93,7 @@ void KeptTree::build(const Primitives& prims, const Tending& how, Executor& exec
     rebuild_yield_ =
         blend(rebuild_yield_, promise_.cost - now_.sah_cost, promise_.predicted / rebuild_yield_);
   promise_ = {};
-  observed_ = {};
+  rays_.begin();
   ratio_sum_ = how.policy == Policy::rtdeform ? bvh::area_ratio_sum(tree_.bvh, executor) : 0.0;
   habit_.note(TreeUpdate::rebuild);
   made_ = {0};
@@ -148,15 +144,6 @@ double KeptTree::rebuild_promise(double tests) const {
   return wear > 1.0 ? rebuild_yield_ * tests * (1.0 - 1.0 / wear) : 0.0;
 }
 
-/// Areas speak of lines from anywhere; a camera may look at nothing but the damage. What rays
-/// really did since the build is therefore added up: once it has cost as much as another build, one
-/// is due, so that both together never cost more than twice what the best moment would have.
-void KeptTree::watch(const Tending& how) {
-  if (how.work <= 0.0) return;
-  if (observed_.at_first == 0.0) observed_.at_first = how.work;
-  observed_.beyond += std::max(0.0, how.work - observed_.at_first);
-}
-
 TreeState KeptTree::state(const Tending& how, Executor& executor) const {
   TreeState state;
   state.exists = state.moved = state.refitted = true;
@@ -166,8 +153,7 @@ TreeState KeptTree::state(const Tending& how, Executor& executor) const {
     state.ratio_change = std::max(change, 1.0 / change);
   }
   const double prims = double(tree_.bvh.prim_ids.size());
-  state.overpaid =
-      visit_cost * observed_.beyond > how.costs.rebuild * prims * std::log2(std::max(prims, 2.0));
+  state.overpaid = rays_.lost_tests() > how.costs.rebuild * prims * std::log2(std::max(prims, 2.0));
   if (!tree_.measured() || tree_.bvh.empty()) return state;
   const bvh::RestructuringBenefit metric(tree_, how.costs, 1.0);
   state.worth_rebuilding =
@@ -180,7 +166,7 @@ void KeptTree::mend(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Co
                     const Tending& how, Executor& executor, TreeWork& work) {
   work.nodes_refitted += now_.nodes;
   budget_.note_refit(now_.nodes);
-  watch(how);
+  rays_.note(how.work);
   work.done = choose_update(state(how, executor), how.policy);
   bvh::Reshaping changes;
   if (work.done == TreeUpdate::restructure)

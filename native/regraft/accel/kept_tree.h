@@ -8,6 +8,7 @@
 #include "regraft/accel/crown_schedule.h"
 #include "regraft/accel/mending_budget.h"
 #include "regraft/accel/motion.h"
+#include "regraft/accel/ray_ledger.h"
 #include "regraft/accel/ray_marks.h"
 #include "regraft/accel/update_policy.h"
 #include "regraft/bvh/local_refit.h"
@@ -120,7 +121,6 @@ class KeptTree {
                   const Tending& how, Executor& executor, bvh::RestructureResult& result);
   void learn(const std::vector<bvh::Restructured>& operations);
   double rebuild_promise(double tests) const;
-  void watch(const Tending& how);
 
   bvh::LivingBvh tree_;
   bvh::WideBvh wide_;
@@ -141,12 +141,7 @@ class KeptTree {
     double cost = 0.0;
     double predicted = 0.0;
   } promise_;
-  /// What a frame's rays did in the tree just after its build, and the sum of what later frames did
-  /// beyond that.
-  struct {
-    double at_first = 0.0;
-    double beyond = 0.0;
-  } observed_;
+  RayLedger rays_;
   std::vector<std::uint32_t> made_;  ///< nodes of the last change of shape
   std::uint64_t shaped_in_ = 0;      ///< the update that did it
   CrownSchedule crown_;

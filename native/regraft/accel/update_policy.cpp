@@ -40,7 +40,7 @@ TreeUpdate choose_update(const TreeState& tree, Policy policy) {
       break;
   }
   if (!tree.refitted) return TreeUpdate::refit;
-  return tree.worth_rebuilding ? TreeUpdate::rebuild : TreeUpdate::restructure;
+  return tree.worth_rebuilding || tree.overpaid ? TreeUpdate::rebuild : TreeUpdate::restructure;
 }
 
 bool wants_metrics(Policy policy, const Habit& habit) {
