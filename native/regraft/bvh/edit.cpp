@@ -38,6 +38,7 @@ class Edit {
       bvh_.nodes[n] = bvh_.nodes[left ? first : first + 1];
       changes_.replaced.push_back(n);
     }
+    bvh_.nodes[first] = bvh_.nodes[first + 1] = {};
     return left || right;
   }
 

@@ -51,6 +51,8 @@ class Validator {
       fail(first, "is free and in use, or free twice");
       return;
     }
+    if (!(bvh_.nodes[first] == Node{} && bvh_.nodes[first + 1] == Node{}))
+      fail(first, "is free and not empty");
     reached_[first] = reached_[first + 1] = true;
   }
 

@@ -71,6 +71,13 @@ TEST_F(Validate, SeesANodeNobodyReaches) {
   EXPECT_NE(after([&] { tree.nodes.resize(tree.nodes.size() + 2); }), "");
 }
 
+TEST_F(Validate, SeesThatANodeNotInUseStillHasChildren) {
+  tree.free_pairs.push_back(std::uint32_t(tree.nodes.size()));
+  tree.nodes.resize(tree.nodes.size() + 2);
+  EXPECT_EQ(boxes.flaw(tree), "");
+  EXPECT_NE(after([&] { tree.nodes.back().first = 2; }), "");
+}
+
 TEST_F(Validate, SeesALeafThatReachesBeyondTheEnd) {
   EXPECT_NE(after([&] { leaf().first = 39; }), "");
 }

@@ -160,6 +160,7 @@ class Mender {
     for (std::size_t i = 0; i < slots.size(); ++i) tree.prim_ids[slots[i]] = part.prim_ids[i];
     pairs.erase(pairs.begin(), pairs.begin() + std::ptrdiff_t(part.nodes.size() / 2 - 1));
     tree.free_pairs = pairs;
+    for (const std::uint32_t pair : pairs) tree.nodes[pair] = tree.nodes[pair + 1] = {};
     tree.depth = height_of(tree, 0);
   }
 
