@@ -26,6 +26,11 @@ constexpr std::uint32_t most_parts = 16384;
 constexpr double crown_cost = 3.0;
 /// Tests that a tree along a Morton curve costs more than one by surface area: 3 to 21 %.
 constexpr double morton_excess = 0.15;
+/// Box tests that measuring a node takes, and building one anew.
+constexpr double measure_cost = 2.0;
+constexpr double rebuild_cost = 40.0;
+/// A tree that has worn by this factor since it was last looked at is looked at again.
+constexpr double alarming = 1.05;
 /// How fast a frame in which nothing was tried lets the past be forgotten.
 constexpr double forgetting = 0.02;
 
@@ -95,7 +100,9 @@ void KeptTree::build(const Primitives& prims, const Tending& how, Executor& exec
   promise_ = {};
   rays_.begin();
   ratio_sum_ = how.policy == Policy::rtdeform ? bvh::area_ratio_sum(tree_.bvh, executor) : 0.0;
-  habit_.note(TreeUpdate::rebuild);
+  habit_.note(TreeUpdate::rebuild, {});
+  look_ = {};
+  looseness_seen_ = now_.looseness;
   made_ = {0};
   shaped_in_ = how.update;
   exists_ = true;
@@ -169,6 +176,7 @@ void KeptTree::mend(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Co
   rays_.note(how.work);
   work.done = choose_update(state(how, executor), how.policy);
   bvh::Reshaping changes;
+  look_ = {is_measured_ ? measure_cost * double(now_.nodes) : 0.0, 0.0};
   if (work.done == TreeUpdate::restructure)
     restructure(boxes, builder, how, executor, work, changes);
   if (work.done == TreeUpdate::rebuild) {
@@ -179,7 +187,9 @@ void KeptTree::mend(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Co
   ++since_build_;
   life_.count_frame(tree_.bvh.node_count());
   life_.count_built(work.nodes_rebuilt);
-  habit_.note(work.done);
+  habit_.note(work.done, look_);
+  if (is_measured_) looseness_seen_ = now_.looseness;
+  if (now_.looseness > alarming * looseness_seen_) habit_.alarm();
 }
 
 /// Brings the layout that rays traverse, and all that goes by the tree's shape, in line with it.
@@ -218,10 +228,14 @@ void KeptTree::restructure(const bvh::PrimBoxes& boxes,
   work.pairs_considered += result.pairs_considered;
   work.nodes_rebuilt += result.nodes_rebuilt;
   if (how.policy != Policy::lm) learn(result.operations);
+  look_.price += how.costs.refine * double(result.pairs_considered) +
+                 rebuild_cost * double(result.nodes_rebuilt);
+  look_.gain += how.rays * result.crown_saving;
   for (bvh::Restructured& operation : result.operations) {
     now_.sah_cost -= operation.realised;
     operation.predicted *= how.rays;
     operation.realised *= how.rays;
+    look_.gain += operation.realised;
   }
   work.operations.insert(work.operations.end(), result.operations.begin(), result.operations.end());
   changes.replaced.insert(changes.replaced.end(), result.replaced.begin(), result.replaced.end());

@@ -148,6 +148,8 @@ class KeptTree {
   MendingBudget budget_;
   double ratio_sum_ = 0.0;  ///< of the last build; for `rtdeform`
   Habit habit_;
+  Look look_;                      ///< of this update
+  double looseness_seen_ = 0.0;    ///< when the tree was last measured
   std::uint32_t since_build_ = 0;  ///< updates
   bool exists_ = false;
 };

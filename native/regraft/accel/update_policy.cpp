@@ -1,5 +1,7 @@
 #include "regraft/accel/update_policy.h"
 
+#include <algorithm>
+
 namespace regraft::accel {
 
 namespace {
@@ -8,12 +10,26 @@ namespace {
 /// Manocha, RT-DEFORM, RT 2006, section 3.2).
 constexpr double rtdeform_change = 1.4;
 
+/// Frames between two looks at a tree that never needs any.
+constexpr std::uint32_t longest_interval = 16;
+constexpr double hysteresis = 1.5;
+
 }  // namespace
 
-void Habit::note(TreeUpdate done) {
-  ++frames;
-  quiet = done == TreeUpdate::refit ? quiet + 1 : 0;
-  rebuilds = done == TreeUpdate::rebuild ? rebuilds + 1 : 0;
+void Habit::note(TreeUpdate done, const Look& look) {
+  ++frames_;
+  rebuilds_ = done == TreeUpdate::rebuild ? rebuilds_ + 1 : 0;
+  if (!measures() && done != TreeUpdate::rebuild) {
+    ++waited_;
+    return;
+  }
+  // What is won back was lost bit by bit, half of it on average, in each frame since the last look.
+  const double lost = 0.5 * look.gain * (waited_ + 1);
+  if (done != TreeUpdate::rebuild && lost < look.price / hysteresis)
+    interval_ = std::min(2 * interval_, longest_interval);
+  if (lost > look.price * hysteresis) interval_ = std::max(interval_ / 2, 1u);
+  waited_ = 0;
+  is_alarmed_ = false;
 }
 
 TreeUpdate choose_update(const TreeState& tree, Policy policy) {

@@ -51,17 +51,30 @@ struct Tending {
   double work = 0.0;
 };
 
-/// How `auto` has fared with a tree of late.
-struct Habit {
-  std::uint32_t frames = 0;
-  std::uint32_t quiet = 0;     ///< frames in a row in which nothing was restructured
-  std::uint32_t rebuilds = 0;  ///< frames in a row in which all was built anew
+/// What looking at a tree's damage, and mending it, cost and brought in one update.
+struct Look {
+  double price = 0.0;  ///< box tests
+  double gain = 0.0;   ///< tests of a frame that are saved from now on
+};
 
-  void note(TreeUpdate done);
-  /// Measuring pays only where something happens: after five quiet frames every fourth is measured.
-  bool measures() const { return quiet < 5 || frames % 4 == 0; }
+/// How `auto` has fared with a tree of late.
+class Habit {
+ public:
+  void note(TreeUpdate done, const Look& look);
+  /// A tree has worn so much since it was last measured that it is to be looked at.
+  void alarm() { is_alarmed_ = true; }
+  /// Measuring costs a fifth of a refit, and pays only where something is lost: a tree is measured
+  /// as often as what is lost in between comes to what looking costs.
+  bool measures() const { return is_alarmed_ || waited_ + 1 >= interval_; }
   /// After five rebuilds in a row only every tenth frame asks whether less would do.
-  bool rebuilds_blindly() const { return rebuilds >= 5 && frames % 10 != 0; }
+  bool rebuilds_blindly() const { return rebuilds_ >= 5 && frames_ % 10 != 0; }
+
+ private:
+  std::uint32_t frames_ = 0;
+  std::uint32_t rebuilds_ = 0;  ///< frames in a row in which all was built anew
+  std::uint32_t interval_ = 1;  ///< every how many frames a tree is measured
+  std::uint32_t waited_ = 0;    ///< frames since it was
+  bool is_alarmed_ = false;
 };
 
 /// What is known of one tree when its update is chosen.
