@@ -71,3 +71,10 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: An
     assert main(("study", "compare", "a.jsonl", "other.jsonl")) == 3
     assert main(("study", "compare", "a.jsonl", "empty.jsonl")) == 3
     assert main(("study", "compare", "a.jsonl", "missing.jsonl")) == 3
+
+
+def test_nothing_that_the_library_does_explains_time_outside_of_it() -> None:
+    a = row(1, left_out=["a"]) | {"write_ms": 1.0, "total_ms": 11.0}
+    b = row(1) | {"write_ms": 9.0, "total_ms": 19.0}
+    (found,) = compare.differences([(a, b)])
+    assert (found["stage"], found["why"]) == ("write", "no count differs: the machine")

@@ -64,7 +64,10 @@ def _difference(a: Row, b: Row) -> Row:
 
 
 def reasons(a: Row, b: Row, stage: str) -> Iterator[str]:
-    """Counts that explain the stage's difference; then what only one run left out or warned of."""
+    """Counts that explain the stage's difference; then what only one run left out or warned of.
+    Nothing does where the library does not work: evaluating the scene, writing the file."""
+    if not CAUSES[stage]:
+        return
     for name in CAUSES[stage]:
         before, after = a.get(name) or 0, b.get(name) or 0
         if abs(after - before) > NOTABLE * max(before, after):
