@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "regraft/trace/packet_cells.h"
 #include "regraft/trace/packet_nearest.h"
-#include "regraft/trace/packet_rays.h"
+#include "regraft/trace/packet_triangle.h"
 #include "regraft/trace/single.h"
 
 namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
@@ -56,7 +57,7 @@ class PacketTracer {
     for (std::uint64_t todo = cost_ != nullptr ? alive_ : 0; todo != 0; todo &= todo - 1)
       cost_[std::countr_zero(todo)] = 0;
     if (alive_ == 0 || view_.top_nodes == nullptr) return;
-    drop_invalid();
+    alive_ &= valid_lanes(rays_);
     const bool agree = set_top();
     if (view_.flat == nullptr && view_.instance_count == 1) {
       // The tree over instances has nothing to decide.
@@ -99,25 +100,6 @@ class PacketTracer {
     for (int i = 0; i < lanes_all; ++i)
       start_ = rays_.t_near[i] < start_ ? rays_.t_near[i] : start_;
     return set_slab_packet<R>(top_, origin, direction, view_.magnitude);
-  }
-
-  /// `valid`, ray by ray.
-  void drop_invalid() {
-    alignas(64) double length[lanes_all], reach[lanes_all];
-    for (int i = 0; i < lanes_all; ++i) length[i] = reach[i] = 0.0;
-    for (int k = 0; k < 3; ++k)
-      for (int i = 0; i < lanes_all; ++i) {
-        length[i] += std::fabs(rays_.direction[k][i]);
-        reach[i] += std::fabs(rays_.origin[k][i]);
-      }
-    int good = 0;
-    for (int i = 0; i < lanes_all; ++i)
-      good += (length[i] > 0.0) & (length[i] < 0x1p127) & (reach[i] < 0x1p120) &
-              (rays_.t_near[i] <= rays_.t_far[i]);
-    for (std::uint64_t todo = good == lanes_all ? 0 : alive_; todo != 0; todo &= todo - 1) {
-      const int i = std::countr_zero(todo);
-      if (!valid(load_ray(rays_, std::uint32_t(i)))) alive_ &= ~(std::uint64_t(1) << i);
-    }
   }
 
   void finish_single(int i, const Nearest& n, const Work& work) {
@@ -261,74 +243,14 @@ class PacketTracer {
     if (sampled) tell(instance.mesh, counters_.nodes_visited + counters_.triangle_tests - before);
   }
 
-  /// A triangle on its way through the packet.
-  struct Corners {
-    std::uint32_t prim;
-    const float* vertex[3];
-    float lo[3], hi[3];
-  };
-
   void mesh_leaf(const InstanceView& instance, std::uint32_t child, std::uint64_t mask) {
     for (std::uint32_t p = 0; p < WideChild::count(child); ++p) {
-      Corners c;
-      c.prim = instance.mesh.prim_ids[WideChild::begin(child) + p];
-      const std::uint32_t* index = instance.mesh.triangles + 3 * std::size_t(c.prim);
-      for (int i = 0; i < 3; ++i) c.vertex[i] = instance.mesh.vertices + 3 * std::size_t(index[i]);
-      for (int k = 0; k < 3; ++k) {
-        c.lo[k] = lowest(lowest(c.vertex[0][k], c.vertex[1][k]), c.vertex[2][k]);
-        c.hi[k] = highest(highest(c.vertex[0][k], c.vertex[1][k]), c.vertex[2][k]);
-      }
+      const PacketTriangle triangle(instance.mesh,
+                                    instance.mesh.prim_ids[WideChild::begin(child) + p]);
       mask &= alive_;
       counters_.triangle_tests += std::uint64_t(std::popcount(mask));
-      for (int base = 0; base < lanes_all; base += R)
-        if ((mask >> base & full) != 0)
-          test_lanes(instance, c, base, LaneBits(mask >> base & full));
-    }
-  }
-  static float lowest(float a, float b) { return a < b ? a : b; }
-  static float highest(float a, float b) { return a > b ? a : b; }
-
-  /// One triangle against R rays; `test_triangles` with the roles exchanged.
-  void test_lanes(const InstanceView& instance, const Corners& c, int base, LaneBits wanted) {
-    const int axes[3] = {local_.kz == 2 ? 0 : local_.kz + 1, local_.kz == 0 ? 2 : local_.kz - 1,
-                         local_.kz};
-    Float<R> relative[3][3];
-    for (int k = 0; k < 3; ++k) {
-      const Float<R> origin = Float<R>::load(local_.origin[axes[k]] + base);
-      for (int i = 0; i < 3; ++i) relative[i][k] = Float<R>(c.vertex[i][axes[k]]) - origin;
-    }
-    const Float<R> start = Float<R>::load(rays_.t_near + base);
-    const Float<R> entry = Float<R>::load(local_.entry + base);
-    const EdgeTest<R> test(
-        relative[0], relative[1], relative[2], Float<R>::load(local_.shear[0] + base),
-        Float<R>::load(local_.shear[1] + base), Float<R>::load(local_.inverse[local_.kz] + base),
-        [&](const Float<R>& latest) { return (latest < start) & (entry < start); });
-    LaneBits lanes = test.hit & wanted;
-    if (lanes == 0) return;
-    Float<R> near(-infinity), far(infinity);
-    for (int k = 0; k < 3; ++k)
-      widen_axis(Float<R>(local_.negative[k] ? c.hi[k] : c.lo[k]),
-                 Float<R>(local_.negative[k] ? c.lo[k] : c.hi[k]),
-                 Float<R>::load(local_.near_origin[k] + base),
-                 Float<R>::load(local_.far_origin[k] + base),
-                 Float<R>::load(local_.inverse[k] + base), near, far);
-    const Float<R> local_t = min(far, max(near, test.t));
-    const Float<R> t = min(Float<R>::load(local_.exit + base), max(entry, local_t));
-    lanes &= (near <= far) & (start <= far) & (start <= t) & (t <= Float<R>::load(best_.t + base));
-    lanes &= (Float<R>(-infinity) < t) & (t < Float<R>(infinity));
-    if (lanes == 0 || lacks_area(instance.mesh, c.prim)) return;
-    if (AnyHit) {
-      occlude(std::uint64_t(lanes) << base);
-      return;
-    }
-    alignas(64) float ts[R], us[R], vs[R];
-    t.store(ts);
-    (test.v / test.det).store(us);
-    (test.w / test.det).store(vs);
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const int i = __builtin_ctz(lanes);
-      if (best_.at(base + i).beaten_by(ts[i], instance.instance_id, c.prim))
-        best_.take(base + i, {ts[i], instance.instance_id, c.prim, us[i], vs[i]});
+      const std::uint64_t hit = triangle.test<R, AnyHit>(rays_, local_, instance, mask, best_);
+      if (AnyHit) occlude(hit);
     }
   }
 
@@ -354,7 +276,10 @@ struct Packets {
   }
   static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,
                           TraceCounters& counters, std::uint32_t* cost) {
-    if (view.kdtree != nullptr) return CellRays::closest_hit(view, rays, hits, counters, cost);
+    if (view.kdtree != nullptr) {
+      if (going == Going::together) return CellPackets<R>::closest_hit(view, rays, hits, counters);
+      return CellRays::closest_hit(view, rays, hits, counters, cost);
+    }
     RayPacket copy;
     PacketTracer<W, R, false> tracer(view, filled(rays, copy), counters, going, cost);
     tracer.run();
@@ -362,7 +287,9 @@ struct Packets {
   }
   static std::uint64_t any_hit(const TraceView& view, const RayPacket& rays,
                                TraceCounters& counters) {
-    if (view.kdtree != nullptr) return CellRays::any_hit(view, rays, counters);
+    if (view.kdtree != nullptr)
+      return going == Going::together ? CellPackets<R>::any_hit(view, rays, counters)
+                                      : CellRays::any_hit(view, rays, counters);
     RayPacket copy;
     PacketTracer<W, R, true> tracer(view, filled(rays, copy), counters, going);
     tracer.run();

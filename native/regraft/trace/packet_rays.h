@@ -10,6 +10,27 @@ namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
 
 inline constexpr int lanes_all = int(packet_capacity);
 
+/// The lanes of `rays` that are `valid`.
+REGRAFT_INLINE std::uint64_t valid_lanes(const RayPacket& rays) {
+  alignas(64) double length[lanes_all], reach[lanes_all];
+  for (int i = 0; i < lanes_all; ++i) length[i] = reach[i] = 0.0;
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < lanes_all; ++i) {
+      length[i] += std::fabs(rays.direction[k][i]);
+      reach[i] += std::fabs(rays.origin[k][i]);
+    }
+  const auto good = [&](int i) {
+    return (length[i] > 0.0) & (length[i] < 0x1p127) & (reach[i] < 0x1p120) &
+           (rays.t_near[i] <= rays.t_far[i]);
+  };
+  int count = 0;
+  for (int i = 0; i < lanes_all; ++i) count += good(i);
+  if (count == lanes_all) return ~std::uint64_t(0);
+  std::uint64_t lanes = 0;
+  for (int i = 0; i < lanes_all; ++i) lanes |= std::uint64_t(good(i)) << i;
+  return lanes;
+}
+
 /// The box-test part of 64 rays in one frame, and the box of all of them: with intervals for
 /// origins and reciprocal directions one node test speaks for the whole packet (Boulos, Wald,
 /// Shirley, Geometric and Arithmetic Culling Methods for Entire Ray Packets, 2006).
@@ -35,11 +56,13 @@ REGRAFT_INLINE std::uint64_t sign_mask(const float (&values)[lanes_all]) {
   return mask;
 }
 
-/// Fills the packet as `set_slabs` would, ray by ray, but for the intervals.
+/// Fills the packet as `set_slabs` would, ray by ray, but for the intervals. `share`: of the
+/// largest coordinate at hand, the slack.
 /// @return true if the rays agree on the sign of every direction component.
 template <int R>
 REGRAFT_INLINE bool set_slab_packet(SlabPacket& packet, const float (&origin)[3][lanes_all],
-                                    const float (&direction)[3][lanes_all], float magnitude) {
+                                    const float (&direction)[3][lanes_all], float magnitude,
+                                    float share = box_slack) {
   alignas(64) float slack[lanes_all];
   for (int i = 0; i < lanes_all; ++i) slack[i] = magnitude;
   for (int k = 0; k < 3; ++k)
@@ -47,7 +70,7 @@ REGRAFT_INLINE bool set_slab_packet(SlabPacket& packet, const float (&origin)[3]
       const float o = std::fabs(origin[k][i]);
       slack[i] = o > slack[i] ? o : slack[i];
     }
-  for (int i = 0; i < lanes_all; ++i) slack[i] *= box_slack;
+  for (int i = 0; i < lanes_all; ++i) slack[i] *= share;
   bool agree = true;
   for (int k = 0; k < 3; ++k) {
     for (int i = 0; i < lanes_all; ++i) {
@@ -159,6 +182,21 @@ REGRAFT_INLINE std::uint64_t meet_box(const SlabPacket& rays, const float (&t_ne
   return met;
 }
 
+/// `needs_remap`, ray by ray: those further away than `reach`, or of extreme length.
+REGRAFT_INLINE std::uint64_t far_lanes(const double (&distance)[lanes_all],
+                                       const double (&length)[lanes_all], double reach) {
+  int fine = 0;
+  for (int i = 0; i < lanes_all; ++i)
+    fine += !(distance[i] > reach) & (length[i] < 0x1p100) & (length[i] > 0x1p-100);
+  if (fine == lanes_all) return 0;
+  std::uint64_t lanes = 0;
+  for (int i = 0; i < lanes_all; ++i) {
+    const bool far = distance[i] > reach || !(length[i] < 0x1p100 && length[i] > 0x1p-100);
+    lanes |= std::uint64_t(far) << i;
+  }
+  return lanes;
+}
+
 /// `to_object` and `needs_remap` of every ray; @return those that do.
 REGRAFT_INLINE std::uint64_t to_object(const InstanceView& instance, const RayPacket& rays,
                                        LocalPacket& local) {
@@ -184,17 +222,7 @@ REGRAFT_INLINE std::uint64_t to_object(const InstanceView& instance, const RayPa
         convert(i, ((m[0] * o[0][i] + m[1] * o[1][i]) + m[2] * o[2][i]) + m[3],
                 (m[0] * d[0][i] + m[1] * d[1][i]) + m[2] * d[2][i]);
   }
-  const double reach = 64.0 * instance.mesh.radius;
-  int fine = 0;
-  for (int i = 0; i < lanes_all; ++i)
-    fine += !(distance[i] > reach) & (length[i] < 0x1p100) & (length[i] > 0x1p-100);
-  if (fine == lanes_all) return 0;
-  std::uint64_t remapped = 0;
-  for (int i = 0; i < lanes_all; ++i) {
-    const bool far = distance[i] > reach || !(length[i] < 0x1p100 && length[i] > 0x1p-100);
-    remapped |= std::uint64_t(far) << i;
-  }
-  return remapped;
+  return far_lanes(distance, length, 64.0 * instance.mesh.radius);
 }
 
 /// Rays by the axis of their largest |direction|, chosen as in `set_shear`.

@@ -13,14 +13,8 @@ namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
 /// within the slack of both sides.
 inline constexpr float cell_slack = 4.0f;
 
-/// A ray in the tree's frame. Origins far away are moved to the scene, as for meshes.
-REGRAFT_INLINE LocalRay make_cell_ray(const TraceView& view, const WorldRay& world) {
-  LocalFrame frame;
-  for (int k = 0; k < 3; ++k) {
-    frame.origin[k] = world.origin[k] - view.scene_origin[k];
-    frame.direction[k] = world.direction[k];
-  }
-  const Aabb& box = view.kdtree->bounds();
+/// What of the tree's box decides whether a ray comes from far away, as for a mesh.
+REGRAFT_INLINE MeshView as_mesh(const Aabb& box) {
   MeshView all;
   double squared = 0.0;
   for (int k = 0; k < 3; ++k) {
@@ -29,13 +23,25 @@ REGRAFT_INLINE LocalRay make_cell_ray(const TraceView& view, const WorldRay& wor
     squared += half * half;
   }
   all.radius = std::sqrt(squared);
+  all.magnitude = box.magnitude();
+  return all;
+}
+
+/// A ray in the tree's frame. Origins far away are moved to the scene, as for meshes.
+REGRAFT_INLINE LocalRay make_cell_ray(const TraceView& view, const WorldRay& world) {
+  LocalFrame frame;
+  for (int k = 0; k < 3; ++k) {
+    frame.origin[k] = world.origin[k] - view.scene_origin[k];
+    frame.direction[k] = world.direction[k];
+  }
+  const MeshView all = as_mesh(view.kdtree->bounds());
   LocalRay ray;
   ray.t0 = 0.0;
   ray.scale = 1.0;
   ray.remapped = needs_remap(frame, all);
   if (ray.remapped) remap(frame, all, ray.t0, ray.scale);
   float direction[3];
-  float largest = box.magnitude();
+  float largest = all.magnitude;
   for (int k = 0; k < 3; ++k) {
     ray.origin[k] = float(frame.origin[k]);
     direction[k] = float(frame.direction[k]);
@@ -77,20 +83,29 @@ class Mailbox {
 template <bool AnyHit>
 class CellWalk {
  public:
-  CellWalk(const TraceView& view, const WorldRay& world, Nearest& nearest, Work& work)
-      : view_(view),
-        world_(world),
-        top_(make_top(view, world)),
-        ray_(make_cell_ray(view, world)),
-        nearest_(nearest),
-        work_(work) {}
+  struct Cell {
+    kdtree::Node* node;
+    float near;
+    float far;
+  };
 
+  CellWalk(const TraceView& view, const WorldRay& world, Nearest& nearest, Work& work)
+      : CellWalk(view, world, make_top(view, world), make_cell_ray(view, world), nearest, work) {}
+  /// `top`, `ray`: as `make_top` and `make_cell_ray` would have made them.
+  CellWalk(const TraceView& view, const WorldRay& world, const SlabRay& top, const LocalRay& ray,
+           Nearest& nearest, Work& work)
+      : view_(view), world_(world), top_(top), ray_(ray), nearest_(nearest), work_(work) {}
+
+  /// @return true if `AnyHit` and something was hit.
   bool run() {
     const Aabb& box = view_.kdtree->bounds();
     const Interval all = box_interval(ray_, &box.lo.x, &box.hi.x);
     const float start = local_start(ray_);
-    Cell cell{&view_.kdtree->root(), all.near > start ? all.near : start, all.far};
-    if (!(cell.near <= cell.far)) return false;
+    const Cell root{&view_.kdtree->root(), all.near > start ? all.near : start, all.far};
+    return root.near <= root.far && run(root);
+  }
+
+  bool run(Cell cell) {
     Cell stack[kdtree::deepest + 1];
     int top = 0;
     for (;;) {
@@ -105,11 +120,6 @@ class CellWalk {
 
  private:
   using Node = kdtree::Node;
-  struct Cell {
-    Node* node;
-    float near;
-    float far;
-  };
 
   /// Down to the first leaf of the cell; what comes after is left on the stack.
   /// @return the leaf's state.

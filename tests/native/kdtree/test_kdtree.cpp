@@ -96,7 +96,7 @@ TEST(KdTree, WhatIsOpenedDependsOnTheRaysAlone) {
   furnish(stand);
   const HierarchyView& view = stand.hierarchy();
   std::vector<Ray> rays = crossing_rays(4, 128, 0.4);
-  const auto opened = [&](unsigned threads) {
+  const auto opened = [&](unsigned threads, Entry entry) {
     const Watched watched(view);
     const KdTree tree(watched, lazy(), pool(1));
     const trace::TraceView shown = stand.view(tree);
@@ -106,16 +106,17 @@ TEST(KdTree, WhatIsOpenedDependsOnTheRaysAlone) {
         const trace::Tracer tracer(shown, simd::Isa::scalar);
         const std::size_t first = rays.size() * t / threads;
         const std::size_t last = rays.size() * (t + 1) / threads;
-        closest_hits(tracer, std::span(rays).subspan(first, last - first), Entry::single);
+        closest_hits(tracer, std::span(rays).subspan(first, last - first), entry);
       });
     for (std::thread& t : crew) t.join();
     return std::pair(watched.opened(), planes(tree));
   };
-  const auto once = opened(1);
+  const auto once = opened(1, Entry::single);
   EXPECT_FALSE(once.first.empty());
-  EXPECT_EQ(once, opened(8));
+  EXPECT_EQ(once, opened(8, Entry::single));
+  EXPECT_EQ(once, opened(1, Entry::packet));
   std::reverse(rays.begin(), rays.end());
-  EXPECT_EQ(once, opened(3));
+  EXPECT_EQ(once, opened(3, Entry::packet));
 }
 
 TEST(KdTree, ManyThreadsBuildOneTreeAndHitTheSame) {
