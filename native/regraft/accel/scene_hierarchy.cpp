@@ -231,12 +231,12 @@ Aabb SceneHierarchy::clip(const HierarchyEntry& entry, const Aabb& voxel) const 
   return kdtree::clip_triangle(corner, place.margin, voxel);
 }
 
-void SceneHierarchy::clip_sides(const HierarchyEntry& entry, const Aabb& voxel, int axis,
-                                float position, Aabb (&sides)[2]) const {
+void SceneHierarchy::clip_sides(const HierarchyEntry& entry, int axis, float position,
+                                Aabb (&sides)[2]) const {
   const Place& place = places_[entry.object];
   Vec3d corner[3];
   corners(place, entry.node, corner);
-  kdtree::clip_triangle_sides(corner, place.margin, voxel, axis, position, sides);
+  kdtree::clip_triangle_sides(corner, place.margin, entry.box, axis, position, sides);
 }
 
 std::size_t SceneHierarchy::bytes() const {

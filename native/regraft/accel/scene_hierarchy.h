@@ -35,7 +35,7 @@ class SceneHierarchy final : public HierarchyView {
   void top(std::vector<HierarchyEntry>& out) const override;
   void open(const HierarchyEntry& entry, std::vector<HierarchyEntry>& out) const override;
   Aabb clip(const HierarchyEntry& primitive, const Aabb& voxel) const override;
-  void clip_sides(const HierarchyEntry& primitive, const Aabb& voxel, int axis, float position,
+  void clip_sides(const HierarchyEntry& primitive, int axis, float position,
                   Aabb (&sides)[2]) const override;
   std::uint32_t fan_out() const override { return MeshSeed::longest_run; }
 

@@ -40,10 +40,11 @@ class HierarchyView {
   /// empty if that is nothing.
   virtual Aabb clip(const HierarchyEntry& primitive, const Aabb& voxel) const = 0;
 
-  /// `clip` of a primitive to both sides of a plane across `axis` through `voxel`.
-  virtual void clip_sides(const HierarchyEntry& primitive, const Aabb& voxel, int axis,
-                          float position, Aabb (&sides)[2]) const {
-    Aabb side[2] = {voxel, voxel};
+  /// Boxes of what both sides of a plane across `axis` keep of an entry, which is a primitive;
+  /// within its box, and at least `clip` of that box's sides.
+  virtual void clip_sides(const HierarchyEntry& primitive, int axis, float position,
+                          Aabb (&sides)[2]) const {
+    Aabb side[2] = {primitive.box, primitive.box};
     side[0].hi[axis] = side[1].lo[axis] = position;
     for (int s = 0; s < 2; ++s) sides[s] = clip(primitive, side[s]);
   }

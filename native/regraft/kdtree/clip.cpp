@@ -1,5 +1,6 @@
 #include "regraft/kdtree/clip.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -9,18 +10,14 @@ namespace regraft::kdtree {
 
 namespace {
 
+/// Of the largest coordinate: far beyond the rounding of one intersection, far below that of a ray.
+constexpr double rounding = 0x1p-48;
+
 /// A triangle cut by six planes has at most nine corners.
 struct Polygon {
   Vec3d corner[9];  // not initialised: few are used
   int count = 0;
 
-  Polygon() = default;
-  Polygon(const Polygon& other) { *this = other; }
-  Polygon& operator=(const Polygon& other) {
-    count = other.count;
-    for (int i = 0; i < count; ++i) corner[i] = other.corner[i];
-    return *this;
-  }
   void add(const Vec3d& p) { corner[count++] = p; }
 };
 
@@ -64,6 +61,24 @@ struct Extent {
   }
 };
 
+/// Extent of what of a triangle lies at or above `plane` along `sign`·axis.
+Extent part_beyond(const Vec3d (&corners)[3], int axis, double sign, double plane) {
+  Extent part;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3d& a = corners[i];
+    const Vec3d& b = corners[i == 2 ? 0 : i + 1];
+    const double from = sign * (a[axis] - plane);
+    const double to = sign * (b[axis] - plane);
+    if (from >= 0.0) part.extend(a);
+    if ((from < 0.0 && to > 0.0) || (from > 0.0 && to < 0.0)) {
+      Vec3d p = a + (from / (from - to)) * (b - a);
+      p[axis] = plane;
+      part.extend(p);
+    }
+  }
+  return part;
+}
+
 /// A triangle while it is clipped. Where it does not reach beyond a plane nothing is done.
 class Clipping {
  public:
@@ -101,8 +116,7 @@ class Clipping {
 
  private:
   const Polygon& polygon() const { return room_[at_]; }
-  /// Far beyond the rounding of one intersection, far below that of a ray.
-  double slack(int axis) const { return margin_[axis] + 0x1p-48 * largest_; }
+  double slack(int axis) const { return margin_[axis] + rounding * largest_; }
   void clip(int axis, double sign, double plane) {
     clip_side(room_[at_], axis, sign, plane, room_[1 - at_]);
     at_ = 1 - at_;
@@ -123,17 +137,19 @@ Aabb clip_triangle(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& v
   return clipping.within(voxel);
 }
 
-void clip_triangle_sides(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& voxel,
-                         int axis, float position, Aabb (&sides)[2]) {
-  Clipping lower(corners, margin);
-  lower.to_voxel(voxel);
-  Clipping upper = lower;
-  Aabb side[2] = {voxel, voxel};
-  side[0].hi[axis] = side[1].lo[axis] = position;
-  lower.below(axis, double(position));
-  upper.above(axis, double(position));
-  sides[0] = lower.within(side[0]);
-  sides[1] = upper.within(side[1]);
+void clip_triangle_sides(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& box, int axis,
+                         float position, Aabb (&sides)[2]) {
+  double largest = 0.0;
+  for (const Vec3d& corner : corners)
+    for (int k = 0; k < 3; ++k) largest = std::max(largest, std::fabs(corner[k]));
+  const double slack = margin[axis] + rounding * largest;
+  for (int s = 0; s < 2; ++s) {
+    const double sign = s == 0 ? -1.0 : 1.0;
+    Aabb side = box;
+    (s == 0 ? side.hi : side.lo)[axis] = position;
+    sides[s] =
+        part_beyond(corners, axis, sign, double(position) - sign * slack).within(margin, side);
+  }
 }
 
 }  // namespace regraft::kdtree

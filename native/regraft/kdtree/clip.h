@@ -11,8 +11,10 @@ namespace regraft::kdtree {
 /// is rounded outward, so what touches the voxel is never lost.
 Aabb clip_triangle(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& voxel);
 
-/// The same for both sides of a plane across `axis` that cuts the voxel.
-void clip_triangle_sides(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& voxel,
-                         int axis, float position, Aabb (&sides)[2]);
+/// Boxes of what both sides of a plane across `axis` keep of the part of a triangle in `box`. Only
+/// the plane cuts the triangle, and `box` what that leaves: a little wider than `clip_triangle`,
+/// for a third of its work.
+void clip_triangle_sides(const Vec3d (&corners)[3], const Vec3d& margin, const Aabb& box, int axis,
+                         float position, Aabb (&sides)[2]);
 
 }  // namespace regraft::kdtree

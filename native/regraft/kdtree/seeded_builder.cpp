@@ -95,7 +95,7 @@ class Chooser {
 class Sift {
  public:
   Sift(const HierarchyView& view, const Aabb& voxel, const Split& split)
-      : view_(view), voxel_(voxel), split_(split) {
+      : view_(view), split_(split) {
     side_[0] = side_[1] = voxel;
     side_[0].hi[split.axis] = side_[1].lo[split.axis] = split.position;
   }
@@ -138,7 +138,7 @@ class Sift {
   void part(const HierarchyEntry& e, Pending (&to)[2]) const {
     Aabb box[2] = {e.box, e.box};
     if (e.primitive())
-      view_.clip_sides(e, voxel_, split_.axis, split_.position, box);
+      view_.clip_sides(e, split_.axis, split_.position, box);
     else
       box[0].hi[split_.axis] = box[1].lo[split_.axis] = split_.position;
     for (const int s : {0, 1}) {
@@ -149,7 +149,6 @@ class Sift {
   }
 
   const HierarchyView& view_;
-  const Aabb& voxel_;
   Split split_;
   Aabb side_[2];
 };

@@ -71,7 +71,7 @@ struct Built {
 /// cut off empty space; a leaf is made only when no entry is left to open or the digging budget 5(a
 /// + F) is spent, since coarse entries make every split look bad; all three axes are always looked
 /// at, because the paper's own scene became slower without; triangles are clipped to the voxel as
-/// soon as they are in a list, not only in leaves.
+/// soon as they are in a list, not only in leaves, and from then on by the plane that cuts them.
 class SeededBuilder {
  public:
   SeededBuilder(const HierarchyView& view, const Config& config);

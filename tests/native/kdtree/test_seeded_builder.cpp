@@ -140,5 +140,35 @@ TEST(ClipTriangle, PointsOfTheTriangleInsideAreInTheBox) {
   }
 }
 
+TEST(ClipTriangle, OnePlaneKeepsOfATriangleWhatClippingToItsSidesKeeps) {
+  const Vec3d corners[3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+  const Aabb whole{{0, 0, 0}, {4, 4, 0}};
+  Aabb sides[2];
+  kdtree::clip_triangle_sides(corners, Vec3d(0.0), whole, 0, 3.0f, sides);
+  EXPECT_TRUE(sides[0].contains({{0, 0, 0}, {3, 4, 0}}));
+  EXPECT_EQ(sides[1].hi.x, 4.0f);
+  EXPECT_NEAR(sides[1].hi.y, 1.0f, 1e-6f);
+}
+
+TEST(ClipTriangle, PlaneAfterPlaneItsBoxHoldsWhatClippingToTheCellHolds) {
+  Random random(5);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3d corners[3] = {random.in_box(1), random.in_box(1), random.in_box(1)};
+    const Vec3d margin(i % 2 == 0 ? 0.0 : 0.01);
+    Aabb cell{Vec3(-2), Vec3(2)}, box = kdtree::clip_triangle(corners, margin, cell);
+    for (int cuts = 0; cuts < 6 && !box.empty(); ++cuts) {
+      const int axis = cuts % 3, side = int(random.below(2));
+      const auto plane = float(random.uniform(box.lo[axis], box.hi[axis]));
+      Aabb sides[2];
+      kdtree::clip_triangle_sides(corners, margin, box, axis, plane, sides);
+      (side == 0 ? cell.hi : cell.lo)[axis] = plane;
+      EXPECT_TRUE(sides[side].empty() || box.contains(sides[side]));
+      box = sides[side];
+      const Aabb exact = kdtree::clip_triangle(corners, margin, cell);
+      EXPECT_TRUE(exact.empty() || box.contains(exact)) << i << ' ' << cuts;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace regraft::test
