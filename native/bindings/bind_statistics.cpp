@@ -56,6 +56,8 @@ void each_field(const Visit& visit) {
   visit("cost_ratio", &S::cost_ratio, "expected tests over those right after the last build");
   visit("kdtree_nodes", &S::kdtree_nodes, "nodes of the k-d tree built so far");
   visit("kdtree_built_fraction", &S::kdtree_built_fraction, "share of the k-d tree built so far");
+  visit("kdtree_unbuilt_nodes", &S::kdtree_unbuilt_nodes, "k-d nodes that no ray has entered");
+  visit("kdtree_large_leaves", &S::kdtree_large_leaves, "k-d leaves of more than 1,024 triangles");
   visit("memory_bytes", &S::memory_bytes, "geometry and trees, bytes");
   visit("left_out", &S::left_out_list, "what was not needed and so not done, in sentences");
   visit("warnings", &S::warnings_list, "what the user should know, in sentences");

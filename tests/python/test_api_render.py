@@ -23,7 +23,7 @@ FRAME_FIELDS = [
     *("pairs_considered", "pairs_restructured", "rays_primary", "rays_shadow"),
     *("rays_secondary", "nodes_visited", "triangle_tests", "culling_efficiency"),
     *("observed_cost", "cost_ratio", "kdtree_nodes", "kdtree_built_fraction"),
-    *("memory_bytes", "left_out", "warnings"),
+    *("kdtree_unbuilt_nodes", "kdtree_large_leaves", "memory_bytes", "left_out", "warnings"),
 ]
 
 

@@ -18,7 +18,8 @@ UPDATE_FIELDS = [
     *("update_ms", "policy", "structure", "layout", "triangles", "instances", "moved_instances"),
     *("deformed_meshes", "deformed_triangles", "nodes", "nodes_refitted", "nodes_rebuilt"),
     *("pairs_considered", "pairs_restructured", "culling_efficiency", "cost_ratio"),
-    *("kdtree_nodes", "kdtree_built_fraction", "memory_bytes", "left_out", "warnings"),
+    *("kdtree_nodes", "kdtree_built_fraction", "kdtree_unbuilt_nodes", "kdtree_large_leaves"),
+    *("memory_bytes", "left_out", "warnings"),
 ]
 QUALITY_FIELDS = [
     "sah_cost",
@@ -187,6 +188,7 @@ def test_nearest_points_and_quality_are_there_with_a_kdtree(scene: regraft.Scene
     assert quality["sah_cost"] > 0.0
     assert quality["depth"] > 0
     assert (quality["epo"], quality["cost_ratio"]) == (0.0, 1.0)
+    assert 0.0 < quality["kdtree_q"] < 1.0
 
 
 def test_auto_builds_a_kdtree_where_little_of_a_large_scene_is_in_view() -> None:
@@ -215,6 +217,7 @@ def test_a_kdtree_is_built_where_rays_go_and_hits_the_same(scene: regraft.Scene)
     statistics = scene.update(structure="kdtree")
     assert statistics.structure == "kdtree"
     assert (statistics.kdtree_nodes, statistics.kdtree_built_fraction) == (0, 0.0)
+    assert (statistics.kdtree_unbuilt_nodes, statistics.kdtree_large_leaves) == (1, 0)
     for _ in range(2):
         found = scene.closest_hit(origins, directions)
         for name in ("t", "instance_id", "prim_id", "u", "v", "normal"):

@@ -26,8 +26,8 @@ STATISTICS = (
     "triangles instances moved_instances deformed_meshes deformed_triangles "
     "nodes nodes_refitted nodes_rebuilt pairs_considered pairs_restructured "
     "rays_primary rays_shadow rays_secondary nodes_visited triangle_tests "
-    "culling_efficiency observed_cost cost_ratio kdtree_nodes kdtree_built_fraction memory_bytes "
-    "left_out warnings"
+    "culling_efficiency observed_cost cost_ratio kdtree_nodes kdtree_built_fraction "
+    "kdtree_unbuilt_nodes kdtree_large_leaves memory_bytes left_out warnings"
 )
 
 

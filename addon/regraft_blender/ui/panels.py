@@ -23,6 +23,7 @@ GROUPS = (
                "deformed_triangles")),
     ("Trees", ("policy", "structure", "layout", "nodes", "nodes_refitted", "nodes_rebuilt",
                "pairs_considered", "pairs_restructured", "kdtree_nodes", "kdtree_built_fraction",
+               "kdtree_unbuilt_nodes", "kdtree_large_leaves",
                "culling_efficiency", "cost_ratio", "memory_bytes")),
     ("Rays", ("rays_primary", "rays_shadow", "rays_secondary", "nodes_visited", "triangle_tests",
               "observed_cost")),

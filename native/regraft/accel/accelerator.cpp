@@ -321,6 +321,8 @@ void Accelerator::count_kdtree(UpdateStatistics& statistics) const {
   const kdtree::Statistics now = kdtree::measure(*tree);
   statistics.kdtree_nodes = now.nodes();
   statistics.kdtree_built_fraction = now.built_fraction;
+  statistics.kdtree_unbuilt_nodes = now.unbuilt;
+  statistics.kdtree_large_leaves = now.large_leaves;
   statistics.culling_efficiency = now.sam_cost;
   statistics.memory_bytes = state_->bytes_without_kdtree + state_->kdtree.bytes();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "regraft/accel/node_batch.h"
 #include "regraft/accel/update_policy.h"
@@ -21,6 +22,7 @@ struct Quality {
   double cost_ratio = 1.0;
   std::uint32_t depth = 0;
   std::uint64_t bytes = 0;
+  std::optional<double> kdtree_q;  ///< see kdtree::Statistics::quality; none without a k-d tree
 };
 
 /// Keeps the trees of a scene up to date and shows them to the tracer. Does not shade.

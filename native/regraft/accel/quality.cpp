@@ -130,6 +130,7 @@ Quality whole_kdtree(const KdtreeScene& scene, std::uint64_t bytes_beside, Execu
   Quality q;
   q.sah_cost = q.culling_efficiency = now.sam_cost;
   q.depth = now.depth;
+  q.kdtree_q = now.quality(scene.tree()->builder().weight(), scene.tree()->config().cost);
   q.bytes = bytes_beside + scene.bytes();
   return q;
 }

@@ -30,6 +30,8 @@ struct UpdateStatistics {
   double cost_ratio = 1.0;
   std::uint64_t kdtree_nodes = 0;
   double kdtree_built_fraction = 0.0;
+  std::uint64_t kdtree_unbuilt_nodes = 0;
+  std::uint64_t kdtree_large_leaves = 0;
   std::uint64_t memory_bytes = 0;
   std::vector<std::string> left_out;
   std::vector<std::string> warnings;
