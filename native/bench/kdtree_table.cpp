@@ -1,10 +1,12 @@
 // Times the eight ways to build a k-d tree and prints them as JSON, one object a line:
 // `regraft bench kdtree` makes the tables. Processor time of one thread throughout.
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <set>
 
+#include "kdtree_file.h"
 #include "kdtree_rays.h"
 #include "kdtree_scenes.h"
 #include "regraft/accel/accelerator.h"
@@ -26,7 +28,9 @@ struct Picture {
   double seconds = 0.0;
 };
 
-Picture trace_picture(const trace::TraceView& view, const bench::View& camera) {
+enum class Rays { in_packets, one_by_one };
+
+Picture trace_picture(const trace::TraceView& view, const bench::View& camera, Rays how) {
   const trace::Tracer tracer(view, simd::best_isa());
   std::set<std::pair<std::uint32_t, std::uint32_t>> seen;
   Picture picture;
@@ -37,7 +41,10 @@ Picture trace_picture(const trace::TraceView& view, const bench::View& camera) {
   for (int y0 = 0; y0 < image; y0 += 8)
     for (int x0 = 0; x0 < image; x0 += 8) {
       for (int i = 0; i < 64; ++i) {
-        const Vec3d direction = camera.direction(x0 + i % 8, y0 + i / 8, image);
+        // Blocks of 4×4 in registers, as pictures have it.
+        const int block = i / 8;
+        const Vec3d direction =
+            camera.direction(x0 + block % 2 * 4 + i % 4, y0 + block / 2 * 2 + i % 8 / 4, image);
         for (int k = 0; k < 3; ++k) {
           rays.origin[k][i] = camera.eye[k];
           rays.direction[k][i] = direction[k];
@@ -46,7 +53,10 @@ Picture trace_picture(const trace::TraceView& view, const bench::View& camera) {
         rays.t_far[i] = std::numeric_limits<float>::infinity();
       }
       const double start = now();
-      tracer.closest_hit(rays, hits, picture.counters);
+      if (how == Rays::in_packets)
+        tracer.closest_hit(rays, hits, picture.counters);
+      else
+        tracer.closest_hit_single(rays, hits, picture.counters);
       picture.seconds += now() - start;
       for (int i = 0; i < 64; ++i)
         if (hits.prim_id[i] != invalid_id) seen.emplace(hits.instance_id[i], hits.prim_id[i]);
@@ -58,7 +68,8 @@ Picture trace_picture(const trace::TraceView& view, const bench::View& camera) {
 /// What one way of building costs for one picture.
 struct Measured {
   double build = 0.0;
-  Picture picture;
+  Picture picture;            ///< of rays one by one
+  double in_packets_s = 1e9;  ///< tracing it in packets
   kdtree::Statistics tree;
 };
 
@@ -91,12 +102,15 @@ Measured measure(bench::KdtreeScene& scene, const bench::View& view, const kdtre
   Fresh traced(scene);
   const kdtree::KdTree tree(traced.view.kdtree->view(), config, traced.executor);
   traced.view.kdtree = &tree;
-  trace_picture(traced.view, view);
+  trace_picture(traced.view, view, Rays::in_packets);
   Measured result;
-  result.picture = trace_picture(traced.view, view);
-  for (int again = 0; again < 2; ++again)
-    result.picture.seconds =
-        std::min(result.picture.seconds, trace_picture(traced.view, view).seconds);
+  result.picture = trace_picture(traced.view, view, Rays::one_by_one);
+  for (int again = 0; again < 3; ++again) {
+    const double packets = trace_picture(traced.view, view, Rays::in_packets).seconds;
+    const double singly = trace_picture(traced.view, view, Rays::one_by_one).seconds;
+    result.in_packets_s = std::min(result.in_packets_s, packets);
+    result.picture.seconds = std::min(result.picture.seconds, singly);
+  }
   result.tree = kdtree::measure(tree);
   Fresh built(scene);
   const double start = now();
@@ -106,20 +120,27 @@ Measured measure(bench::KdtreeScene& scene, const bench::View& view, const kdtre
   return result;
 }
 
+/// JSON has no word for what is not a number.
+std::string number(double x) {
+  return std::isfinite(x) ? std::to_string(x) : "null";
+}
+
 void print(const char* kind, const bench::KdtreeScene& scene, const bench::View& view,
            const kdtree::Config& config, const Measured& m) {
   const double primitives = double(scene.triangles);
   std::printf(
       R"({"kind":"%s","scene":"%s","view":"%s","triangles":%zu,"visible":%zu,)"
-      R"("configuration":"%s","build_s":%.5f,"trace_s":%.5f,"nodes":%llu,"references":%llu,)"
-      R"("built_fraction":%.5f,"sam_cost":%.3f,"quality":%.5f,"nodes_visited":%llu,)"
-      R"("triangle_tests":%llu})"
+      R"("configuration":"%s","build_s":%.5f,"trace_s":%.5f,"trace_singly_s":%.5f,"nodes":%llu,)"
+      R"("unbuilt":%llu,"references":%llu,"large_leaves":%llu,"built_fraction":%.5f,)"
+      R"("sam_cost":%.3f,"quality":%s,"nodes_visited":%llu,"triangle_tests":%llu})"
       "\n",
       kind, scene.name, view.name, scene.triangles, m.picture.visible,
-      std::string(kdtree::name(config)).c_str(), m.build, m.picture.seconds,
+      std::string(kdtree::name(config)).c_str(), m.build, m.in_packets_s, m.picture.seconds,
       static_cast<unsigned long long>(m.tree.nodes()),
-      static_cast<unsigned long long>(m.tree.references), m.tree.built_fraction, m.tree.sam_cost,
-      m.tree.quality(primitives, config.cost),
+      static_cast<unsigned long long>(m.tree.unbuilt),
+      static_cast<unsigned long long>(m.tree.references),
+      static_cast<unsigned long long>(m.tree.large_leaves), m.tree.built_fraction, m.tree.sam_cost,
+      number(m.tree.quality(primitives, config.cost)).c_str(),
       static_cast<unsigned long long>(m.picture.counters.nodes_visited),
       static_cast<unsigned long long>(m.picture.counters.triangle_tests));
   std::fflush(stdout);
@@ -205,11 +226,16 @@ void origin_table(bench::KdtreeScene scene, const Vec3d& inside, const Vec3d& ou
 
 }  // namespace
 
-/// The argument, if any: triangles of the largest scene.
+/// Arguments, if any: triangles of the largest scene, or a scene's name and its file.
 int main(int argc, char** argv) {
+  if (argc == 3) {
+    table(bench::read_scene(argv[1], argv[2]));
+    return 0;
+  }
   const std::size_t triangles = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 541000;
   if (triangles < 20000) {
-    std::fprintf(stderr, "usage: regraft_bench_kdtree [triangles, at least 20000]\n");
+    std::fprintf(stderr,
+                 "usage: regraft_bench_kdtree [triangles, at least 20000 | NAME SCENE_FILE]\n");
     return 2;
   }
   table(bench::courtyard(triangles));

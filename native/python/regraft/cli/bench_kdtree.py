@@ -8,12 +8,15 @@ import math
 import subprocess
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-from regraft.cli import options
+from regraft.cli import bench_kdtree_file, options
 from regraft.cli.console import Console
 from regraft.cli.errors import EXIT_OK, InputError, SelfCheckError
+from regraft.cli.interrupt import Interrupt
 from regraft.cli.machine import machine, machine_line, save_result
+from regraft.cli.recording import Recording, recorded
 
 PROGRAM = Path("build/bench/native/bench/regraft_bench_kdtree")
 # The configurations are no option of the NumPy API: a native program measures them.
@@ -37,15 +40,20 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         description="Build the k-d tree of two made scenes, near and far, in all eight ways: "
         "lazily or at once, by scanning or sorting, from the scene's hierarchy or from its "
         "triangles; let the scene, what is hidden and what is seen grow; split by where rays "
-        "start. Processor time of one thread. The measuring program comes from `make bench`.",
+        "start. Processor time of one thread. The measuring program comes from `make bench`. "
+        "With FILE: the eight ways for its first frame, from its camera and from three quarters of "
+        "the way to what that looks at.",
     )
     parser.set_defaults(run=run)
+    parser.add_argument(
+        "files", metavar="FILE", type=Path, nargs="*", help="anything Blender reads"
+    )
     parser.add_argument(
         "--triangles",
         type=options.whole_number(20000, 100_000_000),
         default=541_000,
         metavar="N",
-        help="of the larger scene (default: %(default)s)",
+        help="of the larger made scene (default: %(default)s)",
     )
     parser.add_argument(
         "--program", type=Path, default=PROGRAM, metavar="FILE", help="(default: %(default)s)"
@@ -57,12 +65,16 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         default=Path("bench_kdtree.json"),
         help="(default: %(default)s)",
     )
+    parser.add_argument("--verbose", action="store_true", help="let Blender's own output through")
 
 
 def run(args: argparse.Namespace, console: Console) -> int:
     """Runs `regraft bench kdtree`; raises CommandError. Returns the exit code."""
-    console.note(f"{args.triangles} triangles, eight ways; this takes minutes")
-    rows = list(measure(args.program, args.triangles))
+    if args.files:
+        rows = list(_measure_files(args, console))
+    else:
+        console.note(f"{args.triangles} triangles, eight ways; this takes minutes")
+        rows = list(measure(args.program, str(args.triangles)))
     result = {"benchmark": "kdtree", **machine(), "rows": rows, "exponents": exponents(rows)}
     save_result(args.output, result)
     for line in table(result):
@@ -71,12 +83,25 @@ def run(args: argparse.Namespace, console: Console) -> int:
     return EXIT_OK
 
 
-def measure(program: Path, triangles: int) -> Iterator[Row]:
+def _measure_files(args: argparse.Namespace, console: Console) -> Iterator[Row]:
+    for path in args.files:
+        if not path.is_file():
+            raise InputError(f"cannot read {path}: no such file")
+    with Interrupt(console).watching() as interrupt:
+        for path in args.files:
+            wanted = Recording(path, verbose=args.verbose, only_first=True)
+            with recorded(wanted, console, interrupt) as shot, TemporaryDirectory() as folder:
+                scene = Path(folder, "scene.bin")
+                bench_kdtree_file.write(shot, scene)
+                yield from measure(args.program, path.stem, str(scene))
+
+
+def measure(program: Path, *arguments: str) -> Iterator[Row]:
     """What the native program prints, a row a measurement. Raises InputError, SelfCheckError."""
     if not program.is_file():
         raise InputError(f"cannot run {program}: no such file; `make bench` builds it")
     done = subprocess.run(
-        [str(program.resolve()), str(triangles)], capture_output=True, text=True, check=False
+        [str(program.resolve()), *arguments], capture_output=True, text=True, check=False
     )
     if done.returncode:
         raise SelfCheckError(f"{program} failed with {done.returncode}: {done.stderr.strip()}")
@@ -127,13 +152,23 @@ def _picture_lines(rows: Sequence[Row]) -> Iterator[str]:
     yield (
         f"{first['scene']}, {first['view']}: n = {first['triangles']}, v = {first['visible']}, 512²"
     )
-    yield f"{'':<22}{'build s':>10}{'× best':>9}{'trace s':>10}{'nodes':>11}{'node visits':>14}"
+    yield (
+        f"{'':<22}{'build s':>10}{'× best':>9}{'trace s':>10}{'singly':>10}{'nodes':>11}"
+        f"{'unbuilt':>11}{'large':>7}{'q':>8}{'node visits':>14}"
+    )
     for row in rows:
         yield (
             f"{row['configuration']:<22}{row['build_s']:>10.4f}"
-            f"{row['build_s'] / max(best, 1e-9):>9.1f}{row['trace_s']:>10.4f}{row['nodes']:>11}"
-            f"{row['nodes_visited']:>14}"
+            f"{row['build_s'] / max(best, 1e-9):>9.1f}{row['trace_s']:>10.4f}"
+            f"{row['trace_singly_s']:>10.4f}{row['nodes']:>11}{row['unbuilt']:>11}"
+            f"{row['large_leaves']:>7}{_quality(row):>8}{row['nodes_visited']:>14}"
         )
+
+
+def _quality(row: Row) -> str:
+    """The tree's q: only of a whole one, and of more than one triangle."""
+    quality = row["quality"]
+    return "–" if quality is None or row["unbuilt"] else f"{quality:.3f}"
 
 
 def _growth_lines(

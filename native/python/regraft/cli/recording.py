@@ -21,12 +21,14 @@ SIZE = (64, 64)
 
 @dataclass(frozen=True)
 class Recording:
-    """What to record: a file's frames (all if None) as a mode of shading needs them."""
+    """What to record: a file's frames (all if None, or the first) as a mode of shading needs
+    them."""
 
     source: Path
     frames: Sequence[int] | None = None
     shading: str = "clay"
     verbose: bool = False
+    only_first: bool = False
 
 
 @contextmanager
@@ -57,6 +59,8 @@ def _record(wanted: Recording, folder: Path, console: Console, interrupt: Interr
         for note in info.notes:
             console.note(note)
         frames = [f for f in info.frames if wanted.frames is None or f in wanted.frames]
+        if wanted.only_first:
+            frames = frames[:1]
         if not frames:
             raise InputError(f"{wanted.source} has none of the frames asked for")
         _record_frames(backend, frames, folder, interrupt)
