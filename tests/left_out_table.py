@@ -26,8 +26,8 @@ What the first {FRAMES} frames of each scene did not need and so did not do, as 
 everything that is seen. Made by `tests/left_out_table.py`; `regraft render … --explain` tells the
 same of every frame.
 
-Matrices are read in bulk as soon as anything moves, a camera as well: where few meshes stand in
-thousands of places, as in `courtyard`, `forest` and `n_body`, they are most of the bytes.
+Matrices are read in bulk as soon as anything but a camera moves: where few meshes stand in
+thousands of places, as in `forest` and `n_body`, they are most of the bytes.
 
 | scene | triangles | frame | bytes of geometry not read | left out |
 |---|---|---|---|---|"""

@@ -15,7 +15,7 @@ class Updates:
 
     `is_structural`: a collection changed, so that objects may have come or gone. `is_scene`: the
     scene itself is flagged, which many files are in every frame; objects that came with it are
-    flagged too. `is_empty`: nothing else is.
+    flagged too. `is_empty`: nothing else is, but for cameras, which are read apart.
     """
 
     is_empty: bool = True
@@ -41,18 +41,27 @@ def read_updates(depsgraph: bpy.types.Depsgraph) -> Updates:
     entries.foreach_get("is_updated_geometry", geometry)
     entries.foreach_get("is_updated_transform", transform)
     wanted = geometry | ~transform
-    updates.is_empty = bool(wanted.all())
     for entry, is_wanted, is_geometry in zip(
         entries, wanted.tolist(), geometry.tolist(), strict=True
     ):
         if is_wanted:
             _sort_in(updates, entry.id, is_geometry)
+        elif updates.is_empty:
+            updates.is_empty = _is_camera(entry.id)
     return updates
+
+
+def _is_camera(block: bpy.types.ID) -> bool:
+    """Whether it shows nothing, wherever it is."""
+    return isinstance(block, bpy.types.Object) and block.type == "CAMERA"
 
 
 def _sort_in(updates: Updates, block: bpy.types.ID, is_geometry: bool) -> None:
     if isinstance(block, bpy.types.Scene):
         updates.is_scene = True
+        return
+    # What an action moves is flagged itself.
+    if isinstance(block, bpy.types.Action | bpy.types.Camera):
         return
     updates.is_empty = False
     if isinstance(block, bpy.types.Material):

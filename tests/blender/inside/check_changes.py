@@ -27,6 +27,28 @@ def check_nothing_is_read_when_nothing_changed() -> None:
     assert f"20 of 20 {WORDS}" in statistics["left_out"], statistics
 
 
+def check_a_camera_that_moves_reads_nothing() -> None:
+    for x in range(20):
+        add(str(x), mesh(str(x)), (x, 0, 0))
+    camera = bpy.context.scene.camera
+    animated(camera, "location", (1, (0, 0, 10)), (3, (4, 0, 12)))
+    render(1)
+    (kept,) = part("session")._sessions.values()
+    listed = kept._reader._listing
+    statistics = render(3)
+    assert kept._reader._listing is listed
+    (said,) = (words for words in statistics["left_out"] if "bytes of geometry" in words)
+    unread, _, of_all, *_ = said.split()
+    assert unread == of_all
+    bpy.data.objects["3"].location.z = 2
+    statistics = render(3)
+    assert kept._reader._listing is not listed
+    assert heights((3, 0)) == [2.0]
+    (said,) = (words for words in statistics["left_out"] if "bytes of geometry" in words)
+    unread, _, of_all, *_ = said.split()
+    assert unread != of_all
+
+
 def check_only_what_moved_is_moved() -> None:
     for x in range(20):
         add(str(x), mesh(str(x)), (3 * x, 0, 0))
