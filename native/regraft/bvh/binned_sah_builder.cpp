@@ -6,6 +6,7 @@
 
 #include "regraft/bvh/binning.h"
 #include "regraft/bvh/part_few.h"
+#include "regraft/bvh/partition.h"
 #include "regraft/bvh/subtrees.h"
 
 namespace regraft::bvh {
@@ -20,6 +21,7 @@ struct Range {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
   std::uint32_t depth = 0;
+  std::uint32_t buffer = 0;  ///< that its primitives are in
   Aabb bounds;
   Aabb centroids;
   std::uint32_t size() const { return end - begin; }
@@ -31,16 +33,14 @@ struct Open {
   Range range;
 };
 
-struct Partitioned {
-  std::uint32_t middle = 0;
-  Box4 left, right;  ///< of centroids
-};
-
 class Build {
  public:
   Build(std::span<const Aabb> boxes, std::span<const std::uint32_t> ids,
         const BinnedSahBuilder::Config& config, Executor& executor)
-      : boxes_(boxes), ids_(ids), config_(config), executor_(executor), refs_(ids.size()) {}
+      : boxes_(boxes), ids_(ids), config_(config), executor_(executor) {
+    buffers_[0].resize(ids.size());
+    if (ids.size() >= parallel_size) buffers_[1].resize(ids.size());
+  }
 
   Bvh run() {
     Bvh bvh;
@@ -48,34 +48,39 @@ class Build {
     const Range root = fill();
     std::vector<Open> tasks = build_top(bvh.nodes, root);
     std::vector<Subtree> parts(tasks.size());
+    bvh.prim_ids.resize(ids_.size());
     executor_.parallel_for(tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         parts[i].node = tasks[i].node;
         parts[i].depth = build_subtree(tasks[i].range, parts[i].nodes);
+        std::uint32_t* id = &bvh.prim_ids[tasks[i].range.begin];
+        for (const PrimRef& ref : refs(tasks[i].range)) *id++ = ref.id;
       }
     });
     splice(bvh, parts, executor_);
-    bvh.prim_ids.resize(refs_.size());
-    for (std::size_t i = 0; i < refs_.size(); ++i) bvh.prim_ids[i] = refs_[i].id;
     return bvh;
   }
 
  private:
+  std::span<PrimRef> refs(const Range& range) {
+    return {buffers_[range.buffer].data() + range.begin, range.size()};
+  }
+
   Range fill() {
     const std::size_t chunks = (ids_.size() + chunk - 1) / chunk;
     std::vector<Box4> bounds(chunks), centroids(chunks);
     executor_.parallel_for(ids_.size(), chunk, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        refs_[i] = make_ref(ids_[i]);
-        bounds[begin / chunk].extend(refs_[i].lo4(), refs_[i].hi4());
-        centroids[begin / chunk].extend(refs_[i].centroid4(), refs_[i].centroid4());
+        const PrimRef ref = buffers_[0][i] = make_ref(ids_[i]);
+        bounds[begin / chunk].extend(ref.lo4(), ref.hi4());
+        centroids[begin / chunk].extend(ref.centroid4(), ref.centroid4());
       }
     });
     for (std::size_t i = 1; i < chunks; ++i) {
       bounds[0].extend(bounds[i]);
       centroids[0].extend(centroids[i]);
     }
-    return {0, std::uint32_t(ids_.size()), 0, bounds[0].aabb(), centroids[0].aabb()};
+    return {0, std::uint32_t(ids_.size()), 0, 0, bounds[0].aabb(), centroids[0].aabb()};
   }
 
   PrimRef make_ref(std::uint32_t id) const {
@@ -87,7 +92,7 @@ class Build {
   /// Splits down to task size; returns what is left to do, in index order of its nodes.
   std::vector<Open> build_top(AlignedVector<Node>& nodes, const Range& root) {
     const std::size_t task_size = std::max<std::size_t>(config_.task_size, ids_.size() / 64);
-    nodes.resize(2);
+    start_tree(nodes);
     std::vector<Open> tasks;
     std::vector<Open> open{{0, root}};
     while (!open.empty()) {
@@ -115,7 +120,7 @@ class Build {
   /// depth of its deepest leaf.
   std::uint32_t build_subtree(const Range& root, AlignedVector<Node>& nodes) {
     nodes.reserve(2 + root.size());
-    nodes.resize(2);
+    start_tree(nodes);
     std::uint32_t depth = 0;
     std::vector<Open> open{{0, root}};
     while (!open.empty()) {
@@ -147,17 +152,58 @@ class Build {
       return n > config_.max_leaf && median_split(range, left, right);
     if (n <= FewParted::most) return split_few(range, left, right);
     const BinMapping mapping(range.centroids, n);
+    if (n >= parallel_size) return split_large(range, mapping, left, right);
     BinSet bins(mapping.count());
-    bin(range, mapping, bins);
+    bins.add(mapping, refs(range));
     const Split best = best_split(bins, mapping, n);
     if (n <= config_.max_leaf && !pays(range, best.cost)) return false;
     if (best.axis < 0) return n > config_.max_leaf && median_split(range, left, right);
-    const Partitioned parts = partition(range, mapping, best);
-    left = {range.begin, parts.middle, range.depth + 1, bins.bounds(best.axis, 0, best.bin).aabb(),
-            parts.left.aabb()};
-    right = {parts.middle, range.end, range.depth + 1,
-             bins.bounds(best.axis, best.bin, mapping.count()).aabb(), parts.right.aabb()};
+    thread_local AlignedVector<PrimRef> spare;
+    if (spare.size() < n) spare.resize(n);
+    const auto goes_left = [&](const PrimRef& ref) {
+      return mapping.is_below(ref, best.axis, best.bin);
+    };
+    const Partitioned parted = partition(refs(range), spare.data(), goes_left);
+    divide(range, range.buffer, parted, left, right);
+    bound(bins, mapping, best, left, right);
     return true;
+  }
+
+  /// On all threads, in pieces of `chunk`, from one buffer to the other.
+  bool split_large(const Range& range, const BinMapping& mapping, Range& left, Range& right) {
+    const std::span<const PrimRef> from = refs(range);
+    std::vector<BinSet> parts((from.size() + chunk - 1) / chunk, BinSet(mapping.count()));
+    executor_.parallel_for(from.size(), chunk, [&](std::size_t begin, std::size_t end) {
+      parts[begin / chunk].add(mapping, from.subspan(begin, end - begin));
+    });
+    BinSet bins = parts[0];
+    for (std::size_t i = 1; i < parts.size(); ++i) bins.merge(parts[i]);
+    const Split best = best_split(bins, mapping, range.size());
+    if (best.axis < 0) return median_split(range, left, right);
+    std::vector<std::uint32_t> left_counts(parts.size());
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      left_counts[i] = parts[i].count_below(best.axis, best.bin);
+    const auto goes_left = [&](const PrimRef& ref) {
+      return mapping.is_below(ref, best.axis, best.bin);
+    };
+    PrimRef* to = buffers_[1 - range.buffer].data() + range.begin;
+    const Partitioned parted = partition_to(from, to, left_counts, chunk, goes_left, executor_);
+    divide(range, 1 - range.buffer, parted, left, right);
+    bound(bins, mapping, best, left, right);
+    return true;
+  }
+
+  static void divide(const Range& range, std::uint32_t buffer, const Partitioned& parted,
+                     Range& left, Range& right) {
+    const std::uint32_t middle = range.begin + parted.count;
+    left = {range.begin, middle, range.depth + 1, buffer, {}, parted.left.aabb()};
+    right = {middle, range.end, range.depth + 1, buffer, {}, parted.right.aabb()};
+  }
+
+  static void bound(const BinSet& bins, const BinMapping& mapping, const Split& best, Range& left,
+                    Range& right) {
+    left.bounds = bins.bounds(best.axis, 0, best.bin).aabb();
+    right.bounds = bins.bounds(best.axis, best.bin, mapping.count()).aabb();
   }
 
   /// Whether a split with that Σ area·count costs less than a leaf.
@@ -167,19 +213,21 @@ class Build {
   }
 
   bool split_few(const Range& range, Range& left, Range& right) {
-    PrimRef* refs = refs_.data() + range.begin;
-    const FewParted parted({refs, range.size()});
-    if (range.size() <= config_.max_leaf && !pays(range, parted.cost)) return false;
+    const std::span<PrimRef> all = refs(range);
+    const FewParted few(all);
+    if (range.size() <= config_.max_leaf && !pays(range, few.cost)) return false;
     PrimRef sorted[FewParted::most];
-    std::uint32_t l = 0, r = std::uint32_t(std::popcount(parted.left));
-    const std::uint32_t middle = range.begin + r;
-    for (std::uint32_t i = 0; i < range.size(); ++i)
-      sorted[(parted.left >> i & 1) != 0 ? l++ : r++] = refs[i];
-    std::copy(sorted, sorted + range.size(), refs);
-    left = {range.begin, middle, range.depth + 1, parted.left_box.aabb(),
-            centroids(range.begin, middle).aabb()};
-    right = {middle, range.end, range.depth + 1, parted.right_box.aabb(),
-             centroids(middle, range.end).aabb()};
+    std::uint32_t l = 0, r = std::uint32_t(std::popcount(few.left));
+    Partitioned parted;
+    for (std::uint32_t i = 0; i < range.size(); ++i) {
+      const bool is_left = (few.left >> i & 1) != 0;
+      parted.add(all[i].centroid4(), is_left);
+      sorted[is_left ? l++ : r++] = all[i];
+    }
+    std::copy(sorted, sorted + range.size(), all.begin());
+    divide(range, range.buffer, parted, left, right);
+    left.bounds = few.left_box.aabb();
+    right.bounds = few.right_box.aabb();
     return true;
   }
 
@@ -189,132 +237,41 @@ class Build {
     return range.depth + halvings + 1 >= config_.max_depth;
   }
 
-  void bin(const Range& range, const BinMapping& mapping, BinSet& bins) {
-    const std::span<const PrimRef> refs(refs_.data() + range.begin, range.size());
-    if (range.size() < parallel_size) {
-      bins.add(mapping, refs);
-      return;
-    }
-    std::vector<BinSet> parts((refs.size() + chunk - 1) / chunk, BinSet(mapping.count()));
-    executor_.parallel_for(refs.size(), chunk, [&](std::size_t begin, std::size_t end) {
-      parts[begin / chunk].add(mapping, refs.subspan(begin, end - begin));
-    });
-    for (const BinSet& part : parts) bins.merge(part);
-  }
-
-  Partitioned partition(const Range& range, const BinMapping& mapping, const Split& best) {
-    const auto goes_left = [&](const PrimRef& ref) {
-      return mapping.is_below(ref, best.axis, best.bin);
-    };
-    thread_local AlignedVector<PrimRef> spare;
-    return range.size() < parallel_size ? partition_serial(range, goes_left, spare)
-                                        : partition_parallel(range, goes_left);
-  }
-
-  /// Every primitive is written to where either side goes on, and one of the two moves on: no
-  /// processor could guess a branch here. The order within the sides stays.
-  template <typename F>
-  Partitioned partition_serial(const Range& range, const F& goes_left,
-                               AlignedVector<PrimRef>& spare) {
-    if (spare.size() < range.size()) spare.resize(range.size());
-    PrimRef* left = refs_.data() + range.begin;
-    PrimRef* right = spare.data();
-    for (const PrimRef *ref = left, *end = refs_.data() + range.end; ref < end; ++ref) {
-      const PrimRef copy = *ref;
-      const bool is_left = goes_left(copy);
-      *left = copy;
-      *right = copy;
-      left += is_left;
-      right += !is_left;
-    }
-    Partitioned result;
-    result.middle = std::uint32_t(left - refs_.data());
-    std::copy(spare.data(), right, left);
-    result.left = centroids(range.begin, result.middle);
-    result.right = centroids(result.middle, range.end);
-    return result;
-  }
-
-  Box4 centroids(std::uint32_t begin, std::uint32_t end) const {
-    Box4 box;
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const Float4 c = refs_[i].centroid4();
-      box.extend(c, c);
-    }
-    return box;
-  }
-
-  /// Counts, then scatters each chunk to its place: the order does not depend on the threads.
-  template <typename F>
-  Partitioned partition_parallel(const Range& range, const F& goes_left) {
-    const std::span<PrimRef> refs(refs_.data() + range.begin, range.size());
-    scratch_.resize(refs_.size());
-    std::vector<Partitioned> parts((refs.size() + chunk - 1) / chunk);
-    executor_.parallel_for(refs.size(), chunk, [&](std::size_t begin, std::size_t end) {
-      Partitioned& part = parts[begin / chunk];
-      for (std::size_t i = begin; i < end; ++i) {
-        const Float4 c = refs[i].centroid4();
-        const bool is_left = goes_left(refs[i]);
-        part.middle += is_left;
-        (is_left ? part.left : part.right).extend(c, c);
-      }
-    });
-    Partitioned result;
-    for (const Partitioned& part : parts) {
-      result.middle += part.middle;
-      result.left.extend(part.left);
-      result.right.extend(part.right);
-    }
-    std::vector<std::size_t> left_at(parts.size()), right_at(parts.size());
-    for (std::size_t i = 0, l = 0, r = result.middle; i < parts.size(); ++i) {
-      left_at[i] = l;
-      right_at[i] = r;
-      l += parts[i].middle;
-      r += std::min(chunk, refs.size() - i * chunk) - parts[i].middle;
-    }
-    executor_.parallel_for(refs.size(), chunk, [&](std::size_t begin, std::size_t end) {
-      std::size_t l = left_at[begin / chunk], r = right_at[begin / chunk];
-      for (std::size_t i = begin; i < end; ++i) scratch_[goes_left(refs[i]) ? l++ : r++] = refs[i];
-    });
-    executor_.parallel_for(refs.size(), chunk, [&](std::size_t begin, std::size_t end) {
-      std::copy(scratch_.begin() + std::ptrdiff_t(begin), scratch_.begin() + std::ptrdiff_t(end),
-                refs.begin() + std::ptrdiff_t(begin));
-    });
-    result.middle += range.begin;
-    return result;
-  }
-
   bool median_split(const Range& range, Range& left, Range& right) {
     const Vec3d extents = range.centroids.extents();
     const int axis = extents.x >= extents.y && extents.x >= extents.z ? 0
                      : extents.y >= extents.z                         ? 1
                                                                       : 2;
-    const std::uint32_t middle = range.begin + range.size() / 2;
-    std::nth_element(refs_.begin() + range.begin, refs_.begin() + middle, refs_.begin() + range.end,
+    const std::span<PrimRef> all = refs(range);
+    const std::uint32_t half = range.size() / 2;
+    std::nth_element(all.begin(), all.begin() + half, all.end(),
                      [axis](const PrimRef& a, const PrimRef& b) {
                        const float ca = a.centroid(axis), cb = b.centroid(axis);
                        return ca != cb ? ca < cb : a.id < b.id;
                      });
-    left = measured(range.begin, middle, range.depth + 1);
-    right = measured(middle, range.end, range.depth + 1);
+    const std::uint32_t middle = range.begin + half;
+    left = measured({range.begin, middle, range.depth + 1, range.buffer, {}, {}});
+    right = measured({middle, range.end, range.depth + 1, range.buffer, {}, {}});
     return true;
   }
 
-  Range measured(std::uint32_t begin, std::uint32_t end, std::uint32_t depth) const {
+  Range measured(Range range) {
     Box4 bounds, centroids;
-    for (std::uint32_t i = begin; i < end; ++i) {
-      bounds.extend(refs_[i].lo4(), refs_[i].hi4());
-      centroids.extend(refs_[i].centroid4(), refs_[i].centroid4());
+    for (const PrimRef& ref : refs(range)) {
+      bounds.extend(ref.lo4(), ref.hi4());
+      centroids.extend(ref.centroid4(), ref.centroid4());
     }
-    return {begin, end, depth, bounds.aabb(), centroids.aabb()};
+    range.bounds = bounds.aabb();
+    range.centroids = centroids.aabb();
+    return range;
   }
 
   std::span<const Aabb> boxes_;
   std::span<const std::uint32_t> ids_;
   const BinnedSahBuilder::Config& config_;
   Executor& executor_;
-  AlignedVector<PrimRef> refs_;
-  AlignedVector<PrimRef> scratch_;
+  /// Primitives in the order of the tree so far; the second takes what the threads part together.
+  AlignedVector<PrimRef> buffers_[2];
 };
 
 }  // namespace

@@ -78,18 +78,31 @@ struct BinSet {
   Bounds box[3][max_bins];
   std::uint32_t count[3][max_bins] = {};
 
+  /// Both halves in turns: neighbours often fall into one bin, and would wait for each other.
   void add(const BinMapping& mapping, std::span<const PrimRef> refs) {
-    for (const PrimRef& ref : refs) {
-      const std::array<int, 3> b = mapping.bins(ref);
-      const Float4 lo = ref.lo4();
-      const Float4 hi = ref.hi4();
-      for (int k = 0; k < 3; ++k) {
-        Bounds& bounds = box[k][b[k]];
-        bounds.lo = min(lo, bounds.lo);
-        bounds.hi = max(hi, bounds.hi);
-        ++count[k][b[k]];
-      }
+    const std::size_t half = refs.size() / 2;
+    for (std::size_t i = 0; i < half; ++i) {
+      add(mapping, refs[i]);
+      add(mapping, refs[half + i]);
     }
+    if (refs.size() % 2 != 0) add(mapping, refs.back());
+  }
+  void add(const BinMapping& mapping, const PrimRef& ref) {
+    const std::array<int, 3> b = mapping.bins(ref);
+    const Float4 lo = ref.lo4();
+    const Float4 hi = ref.hi4();
+    for (int k = 0; k < 3; ++k) {
+      Bounds& bounds = box[k][b[k]];
+      bounds.lo = min(lo, bounds.lo);
+      bounds.hi = max(hi, bounds.hi);
+      ++count[k][b[k]];
+    }
+  }
+  /// How many are in the bins before `bin` on an axis.
+  std::uint32_t count_below(int axis, int bin) const {
+    std::uint32_t sum = 0;
+    for (int i = 0; i < bin; ++i) sum += count[axis][i];
+    return sum;
   }
   /// Box of the bins from `begin` to before `end` on an axis.
   Box4 bounds(int axis, int begin, int end) const {

@@ -15,6 +15,12 @@ struct Subtree {
   std::uint32_t depth = 0;    ///< of its deepest leaf, in the whole tree
 };
 
+/// Makes `nodes` that of a tree whose root is still to be written.
+inline void start_tree(AlignedVector<Node>& nodes) {
+  nodes.resize(2);
+  nodes[1] = {};
+}
+
 /// Room for a pair of children of nodes[node], which becomes an inner node. @return the first.
 inline std::uint32_t make_inner(AlignedVector<Node>& nodes, std::uint32_t node) {
   const auto first = std::uint32_t(nodes.size());
