@@ -24,7 +24,7 @@ struct Candidate {
 
 void Cut::take_apart(const Node& leaf) {
   for (std::uint32_t i = 0; i < leaf.count; ++i) {
-    Node prim;
+    Node prim{};
     prim.first = leaf.first + i;
     prim.count = 1;
     units.push_back(prim);

@@ -61,7 +61,7 @@ class Build {
     executor_.parallel_for(tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         parts[i].node = tasks[i].node;
-        parts[i].nodes.resize(2);
+        start_tree(parts[i].nodes);
         build_node(tasks[i].range, 0, parts[i]);
       }
     });
@@ -74,7 +74,7 @@ class Build {
  private:
   void build_top(AlignedVector<Node>& nodes, std::vector<Task>& tasks) {
     const std::size_t task_size = std::max<std::size_t>(config_.task_size, order_.size() / 64);
-    nodes.resize(2);
+    start_tree(nodes);
     std::vector<Task> open{{0, {0, std::uint32_t(order_.size()), 0}}};
     while (!open.empty()) {
       const Task item = open.back();

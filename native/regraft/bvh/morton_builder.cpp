@@ -145,8 +145,7 @@ class Build {
   /// Splits down to the size of a task.
   void build_top(AlignedVector<Node>& nodes) {
     const std::size_t task_size = std::max<std::size_t>(4096, ids_.size() / 64);
-    nodes.resize(2);
-    nodes[1] = {};
+    start_tree(nodes);
     std::vector<Task> open{{0, {0, std::uint32_t(ids_.size()), 0}}};
     while (!open.empty()) {
       const Task item = open.back();
@@ -179,7 +178,7 @@ class Build {
   /// Fast and Simple Agglomerative LBVH Construction, CGVC 2014, without its atomics).
   void build_part(const Range& range, Subtree& part, std::uint32_t* prim_ids) const {
     part.nodes.reserve(2 + range.size());
-    part.nodes.resize(2);
+    start_tree(part.nodes);
     Open stack[max_depth + 4];
     std::size_t top = 0;
     for (std::uint32_t i = range.begin; i < range.end; ++i) {

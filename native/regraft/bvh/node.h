@@ -7,11 +7,13 @@
 namespace regraft::bvh {
 
 /// 32 bytes. Children of an inner node are neighbours: `first` and `first + 1`, one cache line.
+/// Not initialized unless asked for, `Node{}`: room for a tree is made before its parts are written
+/// to it by all threads.
 struct Node {
-  Vec3 lo{0.0f};
-  std::uint32_t first = 0;  ///< inner: left child; leaf: first index into `Bvh::prim_ids`
-  Vec3 hi{0.0f};
-  std::uint32_t count = 0;  ///< primitives of a leaf; 0: inner node
+  Vec3 lo;
+  std::uint32_t first;  ///< inner: left child; leaf: first index into `Bvh::prim_ids`
+  Vec3 hi;
+  std::uint32_t count;  ///< primitives of a leaf; 0: inner node
 
   bool leaf() const { return count != 0; }
   Aabb bounds() const { return {lo, hi}; }

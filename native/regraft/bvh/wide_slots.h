@@ -8,7 +8,7 @@ namespace regraft::bvh {
 /// What an unused slot is a copy of.
 inline const Node& empty_node() {
   static const Node node = [] {
-    Node empty;
+    Node empty{};
     empty.set_bounds(Aabb{});
     return empty;
   }();

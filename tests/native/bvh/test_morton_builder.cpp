@@ -87,7 +87,8 @@ RC_GTEST_PROP(MortonBuilder, AnyBoxesMakeAValidTree, ()) {
 
 TEST(RadixSort, OrdersByKeyAndKeepsTheOrderOfEqualOnes) {
   Random random(4);
-  for (const std::size_t count : {0, 1, 3, 1000, 100000}) {
+  // The last has a digit that is sorted by all threads together.
+  for (const std::size_t count : {0, 1, 3, 1000, 200000}) {
     AlignedVector<bvh::KeyedId> items(count), scratch;
     for (std::uint32_t i = 0; i < count; ++i)
       items[i] = {i, std::uint32_t(random.below(i % 2 == 0 ? 1u << 30 : 100))};

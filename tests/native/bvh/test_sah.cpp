@@ -19,7 +19,7 @@ Aabb unit_cube_at(float x) {
 /// ((0, 1), (2, 3)) over four boxes.
 Bvh balanced(const std::vector<Aabb>& boxes) {
   Bvh tree;
-  tree.nodes.resize(8);
+  tree.nodes.resize(8, bvh::Node{});
   tree.prim_ids = {0, 1, 2, 3};
   tree.depth = 2;
   const auto box_of = [&](std::size_t i, std::size_t j) {

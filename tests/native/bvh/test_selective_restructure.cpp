@@ -35,7 +35,7 @@ void pair_of_pairs(Bvh& tree, std::uint32_t node, std::uint32_t at, std::uint32_
 
 Bvh four() {
   Bvh tree;
-  tree.nodes.resize(8);
+  tree.nodes.resize(8, bvh::Node{});
   pair_of_pairs(tree, 0, 2, 0);
   tree.prim_ids = {0, 1, 2, 3};
   tree.depth = 2;
@@ -44,7 +44,7 @@ Bvh four() {
 
 Bvh eight() {
   Bvh tree;
-  tree.nodes.resize(16);
+  tree.nodes.resize(16, bvh::Node{});
   tree.nodes[0].first = 2;
   pair_of_pairs(tree, 2, 4, 0);
   pair_of_pairs(tree, 3, 10, 4);

@@ -68,12 +68,12 @@ TEST_F(Validate, SeesChildrenSharedOrInACircle) {
 }
 
 TEST_F(Validate, SeesANodeNobodyReaches) {
-  EXPECT_NE(after([&] { tree.nodes.resize(tree.nodes.size() + 2); }), "");
+  EXPECT_NE(after([&] { tree.nodes.resize(tree.nodes.size() + 2, bvh::Node{}); }), "");
 }
 
 TEST_F(Validate, SeesThatANodeNotInUseStillHasChildren) {
   tree.free_pairs.push_back(std::uint32_t(tree.nodes.size()));
-  tree.nodes.resize(tree.nodes.size() + 2);
+  tree.nodes.resize(tree.nodes.size() + 2, bvh::Node{});
   EXPECT_EQ(boxes.flaw(tree), "");
   EXPECT_NE(after([&] { tree.nodes.back().first = 2; }), "");
 }
@@ -85,7 +85,7 @@ TEST_F(Validate, SeesALeafThatReachesBeyondTheEnd) {
 TEST_F(Validate, SeesALeafThatIsTooLarge) {
   const Boxes many(std::vector<Aabb>(17, Aabb{Vec3(0), Vec3(1)}));
   Bvh one;
-  one.nodes.resize(2);
+  one.nodes.resize(2, bvh::Node{});
   one.nodes[0].set_bounds(many.boxes[0]);
   one.nodes[0].count = 17;
   one.prim_ids = many.ids;
