@@ -16,8 +16,8 @@ constexpr std::size_t grain = 16384;
 /// Triangles that are bounded together where there is no tree.
 constexpr std::size_t run_length = 512;
 
-std::vector<Aabb> all_bounds(const Mesh& mesh, Executor& executor) {
-  std::vector<Aabb> boxes(mesh.triangles.size());
+AlignedVector<Aabb> all_bounds(const Mesh& mesh, Executor& executor) {
+  AlignedVector<Aabb> boxes(mesh.triangles.size());
   executor.parallel_for(boxes.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t)
       boxes[t] = fast_triangle_bounds(mesh, std::uint32_t(t)).aabb();
@@ -64,12 +64,14 @@ TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Layout layout, co
 /// Tells triangles that can be hit from those that cannot.
 void Blas::sort_out(const Mesh& mesh, Executor& executor) {
   const std::vector<std::uint8_t> degenerate = degenerate_flags(mesh, executor);
-  prims_.clear();
-  prims_.reserve(degenerate.size());
+  prims_.resize(degenerate.size());
   dropped_.clear();
+  run_boxes_ = {};
+  if (std::find(degenerate.begin(), degenerate.end(), 1) == degenerate.end())
+    return std::iota(prims_.begin(), prims_.end(), 0u);
+  prims_.clear();
   for (std::uint32_t t = 0; t < degenerate.size(); ++t)
     (degenerate[t] == 0 ? prims_ : dropped_).push_back(t);
-  run_boxes_ = {};
 }
 
 std::uint32_t Blas::place(std::uint32_t t) const {
@@ -98,7 +100,7 @@ void Blas::bound(const Mesh& mesh, Executor& executor) {
 
 void Blas::build(const Mesh& mesh, const Tending& how, Executor& executor) {
   sort_out(mesh, executor);
-  const std::vector<Aabb> boxes = all_bounds(mesh, executor);
+  const AlignedVector<Aabb> boxes = all_bounds(mesh, executor);
   KeyBoxes keys;
   if (how.policy == Policy::shot) keys = key_boxes(mesh, executor);
   tree_.build({boxes, prims_, {}, keys}, how, executor);

@@ -84,14 +84,14 @@ void KeptTree::build(const Primitives& prims, const Tending& how, Executor& exec
   tree_.bvh = built(prims, how, executor);
   tree_.stop_measuring();
   tree_.model.leaf = how.costs.leaf;
-  now_ = built_ = bvh::refit(
-      tree_, [&](std::uint32_t i) { return bvh::Box4(prims.boxes[i]); }, executor);
+  now_ = built_ = bvh::assess(
+      tree_.bvh, [&](std::uint32_t i) { return bvh::Box4(prims.boxes[i]); }, executor, tree_.model);
   since_build_ = 0;
   wide_ = bvh::WideBvh::derive(tree_.bvh, how.width, executor);
   marks_.reset(wide_);
   local_ = {};
   is_measured_ = false;
-  measure_if_asked(how);
+  measure_if_asked(how, executor);
   life_.count_frame(tree_.bvh.node_count());
   life_.count_built(tree_.bvh.node_count());
   if (promise_.predicted > 0.0)
@@ -113,10 +113,10 @@ double KeptTree::damage(std::uint32_t node) const {
   return all > 0.0 ? tree_.excess(node) / all : 0.0;
 }
 
-void KeptTree::measure_if_asked(const Tending& how) {
+void KeptTree::measure_if_asked(const Tending& how, Executor& executor) {
   tree_.model.leaf = how.costs.leaf;
   if (!wants_metrics(how.policy, habit_) || tree_.measured()) return;
-  tree_.start_measuring();
+  tree_.start_measuring(executor);
   is_measured_ = true;
 }
 

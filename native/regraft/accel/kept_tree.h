@@ -54,7 +54,7 @@ class KeptTree {
   /// Follows the motion of the primitives, where few moved only above these.
   template <bvh::PrimitiveBounds F>
   void refit(const F& bounds, const Motion& motion, const Tending& how, Executor& executor) {
-    measure_if_asked(how);
+    measure_if_asked(how, executor);
     is_local_ = touch(motion, how, executor);
     if (is_local_)
       now_ = local_.run(tree_, bounds, executor);
@@ -109,7 +109,7 @@ class KeptTree {
 
   bool builds_quickly(std::size_t prims, const Tending& how) const;
   bvh::Bvh built(const Primitives& prims, const Tending& how, Executor& executor) const;
-  void measure_if_asked(const Tending& how);
+  void measure_if_asked(const Tending& how, Executor& executor);
   bool touch(const Motion& motion, const Tending& how, Executor& executor);
   void reshape(bvh::Reshaping& changes, const Tending& how, Executor& executor);
   TreeState state(const Tending& how, Executor& executor) const;

@@ -110,21 +110,26 @@ double LivingBvh::volume_ratio(std::uint32_t n) const {
   return below > 0.0 ? volume(n) / below : 0.0;
 }
 
-void LivingBvh::measure_anew(std::uint32_t n) {
+void LivingBvh::measure_anew(std::uint32_t n, std::span<const std::uint32_t> done) {
   const Node& node = bvh.nodes[n];
-  if (node.leaf()) return;
-  measure_anew(node.first);
-  measure_anew(node.first + 1);
+  if (node.leaf() || std::binary_search(done.begin(), done.end(), n)) return;
+  measure_anew(node.first, done);
+  measure_anew(node.first + 1, done);
   set_reference(n);
   measure(n);
 }
 
-void LivingBvh::start_measuring() {
+void LivingBvh::start_measuring(Executor& executor) {
   inner.clear();
   seen.clear();
   grow(inner, bvh.nodes.size() / 2);
   grow(seen, inner.size(), std::uint8_t(1));
-  if (!bvh.empty()) measure_anew(0);
+  if (bvh.empty()) return;
+  const std::vector<std::uint32_t> frontier = detail::refit_frontier(bvh);
+  executor.parallel_for(frontier.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) measure_anew(frontier[i]);
+  });
+  if (frontier[0] != 0) measure_anew(0, frontier);
 }
 
 void LivingBvh::stop_measuring() {

@@ -68,10 +68,11 @@ struct LivingBvh {
   void measure(std::uint32_t n);
   /// Takes the present proportions of inner node `n` for good ones.
   void set_reference(std::uint32_t n);
-  /// Measures all below and including `n`, whose boxes are right, as just put in order.
-  void measure_anew(std::uint32_t n);
+  /// Measures all below and including `n`, whose boxes are right, as just put in order; nothing
+  /// below the nodes of `done`, which is sorted.
+  void measure_anew(std::uint32_t n, std::span<const std::uint32_t> done = {});
   /// Metrics for a tree just built, all of it seen.
-  void start_measuring();
+  void start_measuring(Executor& executor);
   void stop_measuring();
   /// Every node counts as entered by rays: at the first frame, or when none were traced.
   void see_all() { seen.assign(seen.size(), 1); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cassert>
 #include <concepts>
 #include <vector>
 
@@ -109,6 +110,29 @@ RefitResult refit(Bvh& bvh, const F& bounds, Executor& executor, const CostModel
   for (const detail::RefitSum& s : sums) sum.add(s);
   detail::refit_above(bvh, 0, frontier, sum, visit);
   return detail::finish_refit(bvh, sum, model);
+}
+
+/// What `refit` would say of a tree just built, whose boxes are right: one pass through memory
+/// instead of a walk. The same for any number of threads.
+template <PrimitiveBounds F>
+RefitResult assess(const Bvh& bvh, const F& bounds, Executor& executor, const CostModel& model) {
+  constexpr std::size_t grain = 16384;
+  if (bvh.empty()) return {};
+  assert(bvh.free_pairs.empty());
+  std::vector<detail::RefitSum> sums((bvh.nodes.size() + grain - 1) / grain);
+  executor.parallel_for(bvh.nodes.size(), grain, [&](std::size_t begin, std::size_t end) {
+    detail::RefitSum sum;
+    for (std::size_t n = begin; n < end; ++n) {
+      if (n == 1) continue;
+      const Node& node = bvh.nodes[n];
+      if (node.leaf()) sum.prim_area += half_area(Box4(bounds(bvh.prim_ids[node.first])).aabb());
+      sum.cost += (node.leaf() ? node.count * model.leaf : 1.0) * half_area(node.bounds());
+      ++sum.nodes;
+    }
+    sums[begin / grain] = sum;
+  });
+  for (std::size_t i = 1; i < sums.size(); ++i) sums[0].add(sums[i]);
+  return detail::finish_refit(bvh, sums[0], model);
 }
 
 template <PrimitiveBounds F>

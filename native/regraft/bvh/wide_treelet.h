@@ -40,7 +40,8 @@ struct Treelet {
     std::uint64_t keys[W] = {};
     for (std::uint32_t i = 0; i < count; ++i) keys[i] = key(bvh, i, may_open);
     while (count < W) {
-      const std::uint64_t largest = *std::max_element(keys, keys + W);
+      std::uint64_t largest = keys[0];
+      for (int i = 1; i < W; ++i) largest = std::max(largest, keys[i]);
       if (largest == 0) return;
       const auto slot = std::uint32_t(W - 1 - largest % W);
       open(bvh, slot);

@@ -105,7 +105,7 @@ class PairProbe {
     };
     scatter();
     tree_.bvh = bvh::BinnedSahBuilder::build(boxes, ids, {}, executor);
-    tree_.start_measuring();
+    tree_.start_measuring(executor);
     scatter();
     bvh::refit(
         tree_, [&](std::uint32_t i) { return bvh::Box4(boxes[i]); }, executor);

@@ -22,15 +22,15 @@ struct Living {
   explicit Living(Boxes start, bvh::BinnedSahBuilder::Config build = {})
       : boxes(std::move(start)), builder(build) {
     tree.bvh = boxes.build(threads, builder);
-    tree.start_measuring();
+    tree.start_measuring(pool(2));
     now = refit();
   }
   Living(std::vector<Aabb> start, const bvh::Bvh& shape) : boxes(std::move(start)) {
     builder.max_leaf = 1;
     tree.bvh = shape;
-    tree.start_measuring();
+    tree.start_measuring(pool(2));
     now = refit();
-    tree.start_measuring();
+    tree.start_measuring(pool(2));
   }
 
   bvh::RefitResult refit() {
@@ -58,7 +58,7 @@ struct Living {
   }
   void rebuild() {
     tree.bvh = boxes.build(threads, builder);
-    tree.start_measuring();
+    tree.start_measuring(pool(2));
   }
   double cost() const { return tree.cost(0); }
   /// C(root) against that of a tree just built.

@@ -33,6 +33,21 @@ TEST(Refit, WithoutMotionTheTreeStaysAsBuilt) {
   EXPECT_DOUBLE_EQ(result.wear(result), 1.0);
 }
 
+TEST(Refit, AFreshTreeIsAssessedAsARefitWouldForAnyNumberOfThreads) {
+  EXPECT_EQ(bvh::assess(Bvh{}, [](std::uint32_t) { return bvh::Box4(); }, pool(1), {}).nodes, 0u);
+  for (const std::size_t count : {1, 2, 100, 60000}) {
+    const Boxes boxes = random_boxes(count, 10);
+    Bvh tree = boxes.build();
+    const auto bounds = [&](std::uint32_t i) { return bvh::Box4(boxes.boxes[i]); };
+    const RefitResult result = bvh::assess(tree, bounds, pool(1), {});
+    const RefitResult refitted = refit(tree, boxes.boxes);
+    EXPECT_EQ(result.nodes, refitted.nodes);
+    EXPECT_NEAR(result.sah_cost, refitted.sah_cost, 1e-12 * refitted.sah_cost);
+    EXPECT_NEAR(result.wear(refitted), 1.0, 1e-12);
+    EXPECT_EQ(result.looseness, bvh::assess(tree, bounds, pool(5), {}).looseness);
+  }
+}
+
 TEST(Refit, BoxesAreExactlyThoseOfTheMovedPrimitivesForAnyNumberOfThreads) {
   const std::size_t sizes[] = {1, 5, 100, 3000, 20000};
   for (const std::size_t count : sizes) {
