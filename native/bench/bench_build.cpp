@@ -1,138 +1,221 @@
-#include <benchmark/benchmark.h>
+// What trees take to build, to refit and to bring into the layout of rays, beside Embree and beside
+// what memory allows, all in turns:
+//   regraft_bench_build [--triangles N] [--rounds N] [--threads N]
+// The best time of all rounds counts, as other work on the machine only ever adds to it; the time
+// of all threads' processors beside that of the clock shows how busy it was.
 
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <memory>
 #include <numeric>
+#include <string_view>
 
-#include "peer_embree.h"
+#include "bench_scenes.h"
+#include "peer_build.h"
+#include "regraft/accel/triangle_bounds.h"
 #include "regraft/bvh/binned_sah_builder.h"
+#include "regraft/bvh/living_bvh.h"
 #include "regraft/bvh/morton_builder.h"
-#include "regraft/bvh/sah.h"
 #include "regraft/bvh/wide_bvh.h"
 
 namespace {
 
 using namespace regraft;
+using bench::Triangles;
 
-/// The boxes of one mesh, for builders that know nothing else.
+struct Options {
+  std::size_t triangles = 1000000;
+  int rounds = 10;
+  unsigned threads = 2;
+};
+
+/// One thing that is timed. `prepare` is not.
+struct Contender {
+  const char* name;
+  std::function<void()> run;
+  std::function<void()> prepare = [] {};
+  double bytes = 0.0;  ///< that it has to read and write; 0: not counted
+  double wall_ms = 1e30;
+  double processor_ms = 1e30;
+};
+
+double processor_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
+}
+
+void race(std::vector<Contender>& contenders, int rounds) {
+  for (int round = 0; round < rounds; ++round)
+    for (Contender& contender : contenders) {
+      contender.prepare();
+      const auto start = std::chrono::steady_clock::now();
+      const double processor = processor_ms();
+      contender.run();
+      const std::chrono::duration<double, std::milli> wall =
+          std::chrono::steady_clock::now() - start;
+      contender.processor_ms = std::min(contender.processor_ms, processor_ms() - processor);
+      contender.wall_ms = std::min(contender.wall_ms, wall.count());
+    }
+}
+
+void print(const char* scene, std::size_t triangles, const std::vector<Contender>& contenders) {
+  for (const Contender& c : contenders) {
+    std::printf("%-7s %-24s %8.2f ms %8.2f ms of processors %7.1f M triangles/s", scene, c.name,
+                c.wall_ms, c.processor_ms, double(triangles) / c.wall_ms / 1e3);
+    if (c.bytes > 0.0) std::printf(" %6.1f GB/s", c.bytes / c.wall_ms / 1e6);
+    std::printf("\n");
+  }
+  std::fflush(stdout);
+}
+
+/// A mesh in two poses and what builders know of the first.
 struct Input {
+  Mesh mesh;
+  std::vector<Vec3> poses[2];
   AlignedVector<Aabb> boxes;
   std::vector<std::uint32_t> ids;
+  int pose = 0;
 
-  explicit Input(const benchmark::State& state) {
-    const bench::Triangles mesh = bench::make(state.range(0), state.range(1), 0.0f);
-    for (const Triangle& t : mesh.triangles) {
-      Aabb box;
-      for (int k = 0; k < 3; ++k) box.extend(mesh.vertices[t[k]]);
-      boxes.push_back(box);
-    }
+  Input(int kind, std::size_t count) {
+    const Triangles first = bench::make(kind, std::int64_t(count), 0.0f);
+    poses[0] = first.vertices;
+    poses[1] = bench::make(kind, std::int64_t(count), 0.01f).vertices;
+    mesh.vertices = first.vertices;
+    mesh.triangles = first.triangles;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      boxes.push_back(accel::fast_triangle_bounds(mesh, t).aabb());
     ids.resize(boxes.size());
     std::iota(ids.begin(), ids.end(), 0u);
   }
+  void move() { mesh.vertices = poses[++pose % 2]; }
 };
 
-void count(benchmark::State& state, std::size_t triangles) {
-  state.counters["triangles/s"] =
-      benchmark::Counter(double(triangles), benchmark::Counter::kIsIterationInvariantRate);
+/// The speed of memory itself, by what a copy reads and writes.
+struct Copy {
+  AlignedVector<float> from, to;
+  Executor& executor;
+
+  Copy(std::size_t bytes, Executor& pool)
+      : from(bytes / 8, 1.0f), to(bytes / 8, 2.0f), executor(pool) {}
+  void run() {
+    executor.parallel_for(from.size(), 65536, [&](std::size_t begin, std::size_t end) {
+      std::copy(from.begin() + std::ptrdiff_t(begin), from.begin() + std::ptrdiff_t(end),
+                to.begin() + std::ptrdiff_t(begin));
+    });
+  }
+};
+
+/// What a refit has to read, and to write where it also reads it.
+double refit_bytes(const Input& input, const bvh::LivingBvh& tree) {
+  return double(input.mesh.triangles.size() * sizeof(Triangle)) +
+         double(input.mesh.vertices.size() * sizeof(Vec3)) +
+         double(tree.bvh.prim_ids.size() * sizeof(std::uint32_t)) +
+         2.0 * double(tree.bvh.nodes.size() * sizeof(bvh::Node)) +
+         2.0 * double(tree.inner.size() * sizeof(bvh::InnerMetrics));
 }
 
-template <typename Builder>
-void build(benchmark::State& state) {
-  const Input input(state);
-  Executor executor(unsigned(state.range(2)));
-  bvh::Bvh tree;
-  for (auto _ : state) tree = Builder::build(input.boxes, input.ids, {}, executor);
-  count(state, input.ids.size());
-  state.counters["sah_cost"] = bvh::sah_cost(tree);
-  state.counters["nodes/triangle"] = double(tree.node_count()) / double(input.ids.size());
-}
-void binned_sah(benchmark::State& state) {
-  build<bvh::BinnedSahBuilder>(state);
-}
-void morton(benchmark::State& state) {
-  build<bvh::MortonBuilder>(state);
-}
-
-void derive_wide(benchmark::State& state) {
-  const Input input(state);
-  Executor executor(unsigned(state.range(2)));
-  const bvh::Bvh tree = bvh::MortonBuilder::build(input.boxes, input.ids, {}, executor);
+/// Trees of ours, each kept until the next of its kind is built, as it is from frame to frame.
+struct Ours {
+  Input& input;
+  Executor& executor;
+  bvh::Bvh morton, sah;
+  bvh::LivingBvh living;
   bvh::WideBvh wide;
-  for (auto _ : state) wide = bvh::WideBvh::derive(tree, 8, executor);
-  count(state, input.ids.size());
-}
 
-void sizes(benchmark::internal::Benchmark* b) {
-  b->ArgNames({"kind", "triangles", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
-  for (const int kind : {0, 1})
-    for (const int threads : {1, 2}) b->Args({kind, 1000000, threads});
-}
-BENCHMARK(morton)->Apply(sizes);
-BENCHMARK(binned_sah)->Apply(sizes);
-BENCHMARK(derive_wide)->Apply(sizes);
+  Ours(Input& in, Executor& pool) : input(in), executor(pool) {
+    living.bvh = bvh::BinnedSahBuilder::build(input.boxes, input.ids, {}, executor);
+    living.start_measuring(executor);
+    wide = bvh::WideBvh::derive(living.bvh, 8, executor);
+  }
+  void refit() {
+    bvh::refit(
+        living, [&](std::uint32_t t) { return accel::fast_triangle_bounds(input.mesh, t); },
+        executor);
+  }
+  void refit_alone() {
+    bvh::refit(
+        living.bvh, [&](std::uint32_t t) { return accel::fast_triangle_bounds(input.mesh, t); },
+        executor);
+  }
 
-#ifdef REGRAFT_WITH_EMBREE
-/// Embree's builders over the same boxes, into binary nodes of the same size as ours.
-struct PeerNode {
-  RTCBounds bounds[2];
-  PeerNode* child[2];
+  std::vector<Contender> contenders() {
+    const double tree_bytes = refit_bytes(input, living);
+    const double metrics_bytes = 2.0 * double(living.inner.size() * sizeof(bvh::InnerMetrics));
+    const double wide_bytes = double(wide.node_count() * sizeof(bvh::WideNode<8>)) +
+                              double(living.bvh.nodes.size() * sizeof(bvh::Node));
+    const auto move = [this] { input.move(); };
+    return {
+        {"Morton",
+         [this] { morton = bvh::MortonBuilder::build(input.boxes, input.ids, {}, executor); }},
+        {"binned SAH",
+         [this] { sah = bvh::BinnedSahBuilder::build(input.boxes, input.ids, {}, executor); }},
+        {"refit with metrics", [this] { refit(); }, move, tree_bytes},
+        {"refit without", [this] { refit_alone(); }, move, tree_bytes - metrics_bytes},
+        {"wide layout, refitted", [this] { wide.refit(living.bvh, executor); }, move, wide_bytes},
+        {"wide layout, derived", [this] { wide = bvh::WideBvh::derive(living.bvh, 8, executor); }}};
+  }
 };
-void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
-  return new (rtcThreadLocalAlloc(allocator, sizeof(PeerNode), 64)) PeerNode;
-}
-void set_children(void* node, void** children, unsigned number, void*) {
-  for (unsigned i = 0; i < number; ++i)
-    static_cast<PeerNode*>(node)->child[i] = static_cast<PeerNode*>(children[i]);
-}
-void set_bounds(void* node, const RTCBounds** bounds, unsigned number, void*) {
-  for (unsigned i = 0; i < number; ++i) static_cast<PeerNode*>(node)->bounds[i] = *bounds[i];
-}
-void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* prims, size_t number,
-                  void*) {
-  auto* ids = static_cast<unsigned*>(rtcThreadLocalAlloc(allocator, (number + 1) * 4, 16));
-  ids[0] = unsigned(number);
-  for (size_t i = 0; i < number; ++i) ids[i + 1] = prims[i].primID;
-  return ids;
+
+void race_scene(const char* scene, int kind, const Options& options) {
+  Executor executor(options.threads);
+  Input input(kind, options.triangles);
+  Ours ours(input, executor);
+  std::vector<Contender> contenders = ours.contenders();
+  Copy copy(contenders[2].bytes / 2.0, executor);
+  contenders.push_back({"copy of memory", [&] { copy.run(); }, [] {}, contenders[2].bytes});
+#ifdef REGRAFT_WITH_EMBREE
+  bench::PeerBuild low(input.boxes, RTC_BUILD_QUALITY_LOW, options.threads);
+  bench::PeerBuild medium(input.boxes, RTC_BUILD_QUALITY_MEDIUM, options.threads);
+  contenders.push_back({"Embree Morton", [&] { low.run(); }, [&] { low.prepare(); }});
+  contenders.push_back({"Embree SAH", [&] { medium.run(); }, [&] { medium.prepare(); }});
+  std::vector<std::unique_ptr<bench::EmbreeScene>> scenes;
+  const auto commit = [&](const char* name, RTCBuildQuality quality, bool dynamic) {
+    const bench::EmbreeOptions how{quality, true, dynamic, options.threads};
+    scenes.push_back(
+        std::make_unique<bench::EmbreeScene>(Triangles{input.poses[0], input.mesh.triangles}, how));
+    bench::EmbreeScene& peer = *scenes.back();
+    contenders.push_back({name, [&peer] { peer.update(); },
+                          [&peer, &input] {
+                            input.move();
+                            std::copy(input.mesh.vertices.begin(), input.mesh.vertices.end(),
+                                      peer.vertices().begin());
+                          }});
+  };
+  commit("Embree scene, low", RTC_BUILD_QUALITY_LOW, true);
+  commit("Embree scene, medium", RTC_BUILD_QUALITY_MEDIUM, false);
+  commit("Embree scene, refit", RTC_BUILD_QUALITY_REFIT, true);
+#endif
+  race(contenders, options.rounds);
+  print(scene, input.ids.size(), contenders);
 }
 
-void embree_build(benchmark::State& state, RTCBuildQuality quality) {
-  const Input input(state);
-  RTCDevice device = rtcNewDevice(("threads=" + std::to_string(state.range(2))).c_str());
-  RTCBVH tree = rtcNewBVH(device);
-  AlignedVector<RTCBuildPrimitive> all(input.boxes.size()), prims;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Aabb& b = input.boxes[i];
-    all[i] = {b.lo.x, b.lo.y, b.lo.z, 0, b.hi.x, b.hi.y, b.hi.z, unsigned(i)};
+Options parse(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string_view name = argv[i];
+    const int value = std::max(1, std::atoi(argv[i + 1]));
+    if (name == "--triangles")
+      options.triangles = std::size_t(value);
+    else if (name == "--rounds")
+      options.rounds = value;
+    else if (name == "--threads")
+      options.threads = unsigned(value);
+    else
+      std::exit((std::fprintf(stderr, "unknown option %s\n", argv[i]), 2));
   }
-  RTCBuildArguments arguments = rtcDefaultBuildArguments();
-  arguments.buildQuality = quality;
-  arguments.buildFlags = RTC_BUILD_FLAG_DYNAMIC;
-  arguments.maxBranchingFactor = 2;
-  arguments.maxLeafSize = 4;
-  arguments.minLeafSize = 1;
-  arguments.bvh = tree;
-  arguments.createNode = create_node;
-  arguments.setNodeChildren = set_children;
-  arguments.setNodeBounds = set_bounds;
-  arguments.createLeaf = create_leaf;
-  for (auto _ : state) {
-    state.PauseTiming();
-    prims = all;  // The builder sorts them.
-    state.ResumeTiming();
-    arguments.primitives = prims.data();
-    arguments.primitiveCount = arguments.primitiveArrayCapacity = prims.size();
-    rtcBuildBVH(&arguments);
-  }
-  count(state, input.ids.size());
-  rtcReleaseBVH(tree);
-  rtcReleaseDevice(device);
+  return options;
 }
-void embree_build_morton(benchmark::State& state) {
-  embree_build(state, RTC_BUILD_QUALITY_LOW);
-}
-void embree_build_sah(benchmark::State& state) {
-  embree_build(state, RTC_BUILD_QUALITY_MEDIUM);
-}
-BENCHMARK(embree_build_morton)->Apply(sizes);
-BENCHMARK(embree_build_sah)->Apply(sizes);
-#endif
 
 }  // namespace
+
+int main(int argc, char** argv) {
+  const Options options = parse(argc, argv);
+  race_scene("sheet", 0, options);
+  race_scene("chunks", 1, options);
+  return 0;
+}

@@ -1,5 +1,6 @@
 #include <benchmark/benchmark.h>
 
+#include "bench_scenes.h"
 #include "peer_embree.h"
 #include "regraft/accel/accelerator.h"
 #include "regraft/trace/kernels.h"
@@ -20,15 +21,17 @@ void update(benchmark::State& state, accel::Policy policy) {
   instance.mesh = scene.add_mesh({poses[0].vertices, poses[0].triangles, {}, {}}, "mesh");
   scene.add_instance(instance);
   accel::Accelerator accelerator;
+  accel::UpdateOptions options;
+  options.policy = policy;
   const int width = trace::kernels(simd::best_isa()).width;
-  auto statistics = accelerator.update(scene, scene.take_changes(), {policy}, width, executor);
+  auto statistics = accelerator.update(scene, scene.take_changes(), options, width, executor);
   std::size_t frame = 0;
   for (auto _ : state) {
     state.PauseTiming();
     scene.set_vertices(instance.mesh, poses[++frame % 2].vertices);
     const ChangeSet changes = scene.take_changes();
     state.ResumeTiming();
-    statistics = accelerator.update(scene, changes, {policy}, width, executor);
+    statistics = accelerator.update(scene, changes, options, width, executor);
   }
   const auto triangles = double(poses[0].triangles.size());
   state.counters["triangles/s"] =
