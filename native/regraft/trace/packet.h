@@ -176,6 +176,7 @@ class PacketTracer {
     if (lanes != 0) mark(tree.entered, index);
     for (; lanes != 0; lanes &= lanes - 1) {
       const int slot = __builtin_ctz(lanes);
+      prefetch(tree.nodes, node.child[slot]);
       Entry* at = top++;
       for (; at > base && at[-1].near < distance[slot]; --at) *at = at[-1];
       *at = {&node, slot, distance[slot], mask};
