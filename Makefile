@@ -34,7 +34,7 @@ native: setup-test ## the native tests: optimised, address and undefined-behavio
 	done
 
 python: setup-test addon ## the Python tests, in every supported Blender
-	REGRAFT_ALL_BLENDERS=1 $(bin)/pytest
+	REGRAFT_ALL_BLENDERS=1 $(bin)/pytest -n 2 --dist loadscope
 
 addon: setup-preview ## build both add-on packages into dist/
 	@$(bin)/python addon/build_zips.py --wheel build/wheels/regraft-*.whl --output dist

@@ -13,6 +13,7 @@ import pytest
 from regraft.cli import main, recording
 from regraft.study import (
     lazy_report,
+    plots,
     prediction,
     prediction_report,
     scan,
@@ -78,6 +79,8 @@ def test_the_verdict_is_that_of_the_table(
     monkeypatch.setattr(stability, "TIME_STEPS", (10.0,))
     few = tuple(s for s in scan.SPLITTERS if s.label in ("exact", "k = 4", scan.DEFAULT))
     monkeypatch.setattr(scan, "SPLITTERS", few)
+    # --no-plots holds for the whole process: put it back for the tests that come later.
+    monkeypatch.setattr(plots, "are_wanted", plots.are_wanted)
     source, folder = tmp_path / "hills.blend", tmp_path / "study"
     source.touch()
     sentence, words = STUDIES[kind]
