@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "regraft/trace/packet_cells.h"
+#include "regraft/trace/packet_mixed.h"
 #include "regraft/trace/packet_nearest.h"
 #include "regraft/trace/packet_triangle.h"
 #include "regraft/trace/single.h"
@@ -15,27 +15,15 @@ namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
 /// one. Measured: see docs/benchmarks.md.
 inline constexpr int single_below = 8;
 
-/// One packet in `sample_every`, by what its first ray is: the same ones for any number of threads.
-REGRAFT_INLINE bool is_sampled(const RayPacket& rays) {
-  if (rays.active == 0) return false;
-  const int i = std::countr_zero(rays.active);
-  std::uint64_t bits = 0;
-  for (int k = 0; k < 3; ++k) {
-    bits = (bits ^ std::bit_cast<std::uint64_t>(rays.origin[k][i])) * 0x9E3779B97F4A7C15u;
-    bits = (bits ^ std::bit_cast<std::uint64_t>(rays.direction[k][i])) * 0x9E3779B97F4A7C15u;
-    bits ^= bits >> 32;
-  }
-  return bits % sample_every == 0;
-}
-
 /// How the rays of a packet go through nodes.
 enum class Going { together, apart };
 
 /// 64 rays through wide nodes together (Wald et al. 2001; large packets and interval culling as
 /// in Overbeck, Ramamoorthi, Mark, Large Ray Packets for Real-time Whitted Ray Tracing, RT 2008).
 ///
-/// A node is tested once for the whole packet, its surviving slots then ray by ray in registers of
-/// R. What a ray hits is decided by the same operations as in the single-ray path.
+/// Where all agree on signs, a node is tested once for the whole packet, its surviving slots then
+/// ray by ray in registers of R; otherwise all its slots are, as long as enough rays meet in it.
+/// What a ray hits is decided by the same operations as in the single-ray path.
 template <int W, int R, bool AnyHit>
 class PacketTracer {
  public:
@@ -62,17 +50,22 @@ class PacketTracer {
     if (view_.flat == nullptr && view_.instance_count == 1) {
       // The tree over instances has nothing to decide.
       enter_instance(view_.instances[0], alive_);
-    } else if (agree && view_.flat == nullptr && going_ == Going::together) {
+    } else if (view_.flat != nullptr || going_ == Going::apart) {
+      singles_from_top(0, alive_);
+    } else if (agree) {
       set_intervals<R>(top_);
       walk_packet(
           WideTree<W>(view_.top_nodes, view_.entered), top_, alive_,
-          [&](const WideNode<W>& node, int slot, std::uint64_t mask) {
-            top_leaf(node, slot, mask);
-          },
-          [&](std::uint32_t child, int i) { single_from_top(child, i); });
+          [&](std::uint32_t child, std::uint64_t mask) { top_leaf(child, mask); },
+          [&](std::uint32_t child, std::uint64_t mask) { singles_from_top(child, mask); });
+    } else if (is_oblique(top_)) {
+      walk_mixed<W, R>(
+          WideTree<W>(view_.top_nodes, view_.entered), top_, rays_.t_near, best_.t, alive_,
+          single_below, counters_.nodes_visited, [&] { return alive_; },
+          [&](std::uint32_t child, std::uint64_t mask) { top_leaf(child, mask); },
+          [&](std::uint32_t child, std::uint64_t mask) { singles_from_top(child, mask); });
     } else {
-      for (std::uint64_t todo = alive_; todo != 0; todo &= todo - 1)
-        single_from_top(0, std::countr_zero(todo));
+      singles_from_top(0, alive_);
     }
   }
 
@@ -115,12 +108,15 @@ class PacketTracer {
     alive_ &= ~lanes;
   }
 
-  void single_from_top(std::uint32_t child, int i) {
-    Nearest n = best_.at(i);
-    Work work{0, 0, sampled_};
-    const WorldRay ray = load_ray(rays_, std::uint32_t(i));
-    trace_top<W, AnyHit>(view_, ray, make_top(view_, ray), child, n, work);
-    finish_single(i, n, work);
+  void singles_from_top(std::uint32_t child, std::uint64_t mask) {
+    for (; mask != 0; mask &= mask - 1) {
+      const int i = std::countr_zero(mask);
+      Nearest n = best_.at(i);
+      Work work{0, 0, sampled_};
+      const WorldRay ray = load_ray(rays_, std::uint32_t(i));
+      trace_top<W, AnyHit>(view_, ray, make_top(view_, ray), child, n, work);
+      finish_single(i, n, work);
+    }
   }
 
   std::uint64_t enter_slot(const SlabPacket& packet, const WideNode<W>& node, int slot,
@@ -137,10 +133,9 @@ class PacketTracer {
     return entered & mask;
   }
 
-  template <typename Leaf, typename SingleFrom>
+  template <typename Leaf, typename Few>
   REGRAFT_INLINE void walk_packet(const WideTree<W>& tree, const SlabPacket& packet,
-                                  std::uint64_t mask, const Leaf& leaf,
-                                  const SingleFrom& single_from) {
+                                  std::uint64_t mask, const Leaf& leaf, const Few& few) {
     Entry stack[stack_size<W>];
     Entry* top = push(stack, tree, 0, packet, mask);
     while (top > stack) {
@@ -151,12 +146,11 @@ class PacketTracer {
       const std::uint32_t child = entry.parent->child[entry.slot];
       if (WideChild::is_leaf(child)) {
         if (child == WideChild::none) continue;
-        leaf(*entry.parent, entry.slot, entered);
+        leaf(child, entered);
         continue;
       }
       if (std::popcount(entered) < single_below) {
-        for (std::uint64_t todo = entered; todo != 0; todo &= todo - 1)
-          single_from(child, std::countr_zero(todo));
+        few(child, entered);
         continue;
       }
       top = push(top, tree, child, packet, entered);
@@ -184,8 +178,7 @@ class PacketTracer {
     return top;
   }
 
-  void top_leaf(const WideNode<W>& node, int slot, std::uint64_t mask) {
-    const std::uint32_t child = node.child[slot];
+  void top_leaf(std::uint32_t child, std::uint64_t mask) {
     for (std::uint32_t p = 0; p < WideChild::count(child); ++p) {
       const InstanceView& instance = view_.instances[view_.top_prims[WideChild::begin(child) + p]];
       const std::uint64_t inside = mask & alive_;
@@ -203,11 +196,75 @@ class PacketTracer {
       instance_packet(instance, mask);
       return;
     }
-    for (std::uint64_t todo = mask & ~remapped; todo != 0; todo &= todo - 1) {
-      const int i = std::countr_zero(todo);
-      single_in_mesh(extract(local_, rays_, i), instance, 0, i);
-    }
+    const std::uint64_t here = mask & ~remapped;
+    if (going_ == Going::together && std::popcount(here) >= single_below && is_oblique(local_))
+      instance_mixed(instance, here);
+    else
+      singles_in_mesh(instance, 0, here);
     instance_singles(instance, remapped);
+  }
+
+  void instance_mixed(const InstanceView& instance, std::uint64_t mask) {
+    const std::uint64_t before = counters_.nodes_visited + counters_.triangle_tests;
+    const bool sampled = std::exchange(sampled_, false);
+    extracted_ = 0;
+    walk_mixed<W, R>(
+        WideTree<W>(instance.mesh.nodes, instance.mesh.entered), local_, rays_.t_near, best_.t,
+        mask, single_below, counters_.nodes_visited, [&] { return alive_; },
+        [&](std::uint32_t child, std::uint64_t inside) { mixed_leaf(instance, child, inside); },
+        [&](std::uint32_t child, std::uint64_t inside) {
+          for (; inside != 0; inside &= inside - 1) {
+            const int i = std::countr_zero(inside);
+            const LocalRay ray = local_ray(i);  // a copy, which stays in registers
+            single_in_mesh(ray, instance, child, i);
+          }
+        });
+    sampled_ = sampled;
+    if (sampled) tell(instance.mesh, counters_.nodes_visited + counters_.triangle_tests - before);
+  }
+
+  /// Ray i of `local_` by itself.
+  const LocalRay& local_ray(int i) {
+    const std::uint64_t bit = std::uint64_t(1) << i;
+    if ((extracted_ & bit) == 0) singles_[i] = extract(local_, rays_, i);
+    extracted_ |= bit;
+    return singles_[i];
+  }
+
+  void singles_in_mesh(const InstanceView& instance, std::uint32_t root, std::uint64_t mask) {
+    for (; mask != 0; mask &= mask - 1) {
+      const int i = std::countr_zero(mask);
+      single_in_mesh(extract(local_, rays_, i), instance, root, i);
+    }
+  }
+
+  /// Four triangles at a time, fetched once, against one ray after the other.
+  void mixed_leaf(const InstanceView& instance, std::uint32_t child, std::uint64_t mask) {
+    const MeshView& mesh = instance.mesh;
+    const std::uint32_t* prims = mesh.prim_ids + WideChild::begin(child);
+    const int count = int(WideChild::count(child));
+    for (int first = 0; first < count; first += 4) {
+      const int n = count - first < 4 ? count - first : 4;
+      const Corners4 corners = gather_corners(mesh, prims + first, n);
+      mask &= alive_;
+      counters_.triangle_tests += std::uint64_t(std::popcount(mask) * n);
+      for (std::uint64_t todo = mask; todo != 0; todo &= todo - 1) {
+        const int i = std::countr_zero(todo);
+        const LocalRay& ray = local_ray(i);
+        const auto accept = [&](int lane, float t, float u, float v) {
+          const std::uint32_t prim = prims[first + lane];
+          if (!best_.at(i).beaten_by(t, instance.instance_id, prim)) return;
+          best_.take(i, {t, instance.instance_id, prim, u, v});
+          if (AnyHit) occlude(std::uint64_t(1) << i);
+        };
+        if (ray.kz == 0)
+          test_triangles<0>(ray, mesh, corners, prims + first, n, best_.t[i], accept);
+        else if (ray.kz == 1)
+          test_triangles<1>(ray, mesh, corners, prims + first, n, best_.t[i], accept);
+        else
+          test_triangles<2>(ray, mesh, corners, prims + first, n, best_.t[i], accept);
+      }
+    }
   }
 
   void instance_singles(const InstanceView& instance, std::uint64_t mask) {
@@ -234,11 +291,9 @@ class PacketTracer {
     const bool sampled = std::exchange(sampled_, false);
     walk_packet(
         WideTree<W>(instance.mesh.nodes, instance.mesh.entered), local_, mask,
-        [&](const WideNode<W>& node, int slot, std::uint64_t inside) {
-          mesh_leaf(instance, node.child[slot], inside);
-        },
-        [&](std::uint32_t child, int i) {
-          single_in_mesh(extract(local_, rays_, i), instance, child, i);
+        [&](std::uint32_t child, std::uint64_t inside) { mesh_leaf(instance, child, inside); },
+        [&](std::uint32_t child, std::uint64_t inside) {
+          singles_in_mesh(instance, child, inside);
         });
     sampled_ = sampled;
     if (sampled) tell(instance.mesh, counters_.nodes_visited + counters_.triangle_tests - before);
@@ -267,35 +322,8 @@ class PacketTracer {
   NearestPacket best_;
   SlabPacket top_;
   LocalPacket local_;
-};
-
-template <int W, int R, Going going>
-struct Packets {
-  static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,
-                          TraceCounters& counters) {
-    closest_hit(view, rays, hits, counters, nullptr);
-  }
-  static void closest_hit(const TraceView& view, const RayPacket& rays, HitPacket& hits,
-                          TraceCounters& counters, std::uint32_t* cost) {
-    if (view.kdtree != nullptr) {
-      if (going == Going::together) return CellPackets<R>::closest_hit(view, rays, hits, counters);
-      return CellRays::closest_hit(view, rays, hits, counters, cost);
-    }
-    RayPacket copy;
-    PacketTracer<W, R, false> tracer(view, filled(rays, copy), counters, going, cost);
-    tracer.run();
-    tracer.store(hits);
-  }
-  static std::uint64_t any_hit(const TraceView& view, const RayPacket& rays,
-                               TraceCounters& counters) {
-    if (view.kdtree != nullptr)
-      return going == Going::together ? CellPackets<R>::any_hit(view, rays, counters)
-                                      : CellRays::any_hit(view, rays, counters);
-    RayPacket copy;
-    PacketTracer<W, R, true> tracer(view, filled(rays, copy), counters, going);
-    tracer.run();
-    return tracer.occluded();
-  }
+  LocalRay singles_[lanes_all];  ///< those of `local_` that go their own way
+  std::uint64_t extracted_ = 0;  ///< which of them are there
 };
 
 }  // namespace regraft::trace::REGRAFT_SIMD_NAMESPACE

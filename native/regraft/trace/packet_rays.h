@@ -152,7 +152,7 @@ struct alignas(64) LocalPacket : SlabPacket {
   // The rest is set if the rays are together.
   float shear[2][lanes_all];  ///< the third is the inverse of axis kz
   int kz;
-  bool together;  ///< they agree on signs and kz: packet traversal is possible
+  bool together;  ///< they agree on signs and kz: interval culling is possible
 };
 
 /// `box_interval` of every ray; @return the rays that meet the box in [t_near, ∞).
@@ -307,6 +307,19 @@ REGRAFT_INLINE LocalRay extract(const LocalPacket& packet, const RayPacket& rays
   ray.scale = 1.0;
   ray.remapped = false;
   return ray;
+}
+
+/// One packet in `sample_every`, by what its first ray is: the same ones for any number of threads.
+REGRAFT_INLINE bool is_sampled(const RayPacket& rays) {
+  if (rays.active == 0) return false;
+  const int i = std::countr_zero(rays.active);
+  std::uint64_t bits = 0;
+  for (int k = 0; k < 3; ++k) {
+    bits = (bits ^ std::bit_cast<std::uint64_t>(rays.origin[k][i])) * 0x9E3779B97F4A7C15u;
+    bits = (bits ^ std::bit_cast<std::uint64_t>(rays.direction[k][i])) * 0x9E3779B97F4A7C15u;
+    bits ^= bits >> 32;
+  }
+  return bits % sample_every == 0;
 }
 
 /// Lanes that carry no ray get a copy of one that does, so that registers hold no rubbish.

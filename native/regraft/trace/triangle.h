@@ -164,6 +164,27 @@ REGRAFT_INLINE bool lacks_area(const MeshView& mesh, std::uint32_t prim) {
   return mesh.refitted && !has_area(mesh, prim);
 }
 
+/// Four triangles side by side.
+struct Corners4 {
+  Float4 corner[3][3];  ///< by corner, by axis
+};
+
+/// Corners of `count` (1–4) triangles; lanes beyond repeat the first.
+REGRAFT_INLINE Corners4 gather_corners(const MeshView& mesh, const std::uint32_t* prims,
+                                       int count) {
+  std::uint32_t index[3][4];
+  for (int i = 0; i < 4; ++i) {
+    const std::uint32_t* corners = mesh.triangles + 3 * std::size_t(prims[i < count ? i : 0]);
+    for (int c = 0; c < 3; ++c) index[c][i] = corners[c];
+  }
+  Corners4 r;
+  for (int c = 0; c < 3; ++c) {
+    const auto p = simd::REGRAFT_SIMD_NAMESPACE::gather_points(mesh.vertices, index[c]);
+    for (int k = 0; k < 3; ++k) r.corner[c][k] = p.x[k];
+  }
+  return r;
+}
+
 /// Tests `count` (1–4) triangles of a mesh against a ray; for each hit calls
 /// `accept(lane, world_t, u, v)` in lane order.
 ///
@@ -172,20 +193,11 @@ REGRAFT_INLINE bool lacks_area(const MeshView& mesh, std::uint32_t prim) {
 /// and no interval that ends at the hit can hide it.
 template <int KZ, typename Accept>
 REGRAFT_INLINE void test_triangles(const LocalRay& ray, const MeshView& mesh,
-                                   const std::uint32_t* prims, int count, float limit,
-                                   const Accept& accept) {
+                                   const Corners4& corners, const std::uint32_t* prims, int count,
+                                   float limit, const Accept& accept) {
   constexpr int KX = (KZ + 1) % 3;
   constexpr int KY = (KZ + 2) % 3;
-  std::uint32_t index[3][4];
-  for (int i = 0; i < 4; ++i) {
-    const std::uint32_t* corners = mesh.triangles + 3 * std::size_t(prims[i < count ? i : 0]);
-    for (int c = 0; c < 3; ++c) index[c][i] = corners[c];
-  }
-  Float4 corner[3][3];
-  for (int c = 0; c < 3; ++c) {
-    const auto p = simd::REGRAFT_SIMD_NAMESPACE::gather_points(mesh.vertices, index[c]);
-    for (int k = 0; k < 3; ++k) corner[c][k] = p.x[k];
-  }
+  const Float4(&corner)[3][3] = corners.corner;
   Float4 relative[3][3];
   for (int c = 0; c < 3; ++c) {
     relative[c][0] = corner[c][KX] - Float4(ray.origin[KX]);
@@ -224,6 +236,14 @@ REGRAFT_INLINE void test_triangles(const LocalRay& ray, const MeshView& mesh,
     if (!std::isfinite(reported) || reported < ray.t_near || lacks_area(mesh, prims[i])) continue;
     accept(i, reported, us[i], vs[i]);
   }
+}
+
+/// The same with the corners gathered first.
+template <int KZ, typename Accept>
+REGRAFT_INLINE void test_triangles(const LocalRay& ray, const MeshView& mesh,
+                                   const std::uint32_t* prims, int count, float limit,
+                                   const Accept& accept) {
+  test_triangles<KZ>(ray, mesh, gather_corners(mesh, prims, count), prims, count, limit, accept);
 }
 
 }  // namespace regraft::trace::REGRAFT_SIMD_NAMESPACE
