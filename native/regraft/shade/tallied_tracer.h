@@ -42,7 +42,7 @@ class TalliedTracer {
   }
   /// Lanes whose incoherent ray hits anything.
   LaneMask secondary_any(const trace::RayPacket& rays) {
-    return timed([&] { return tracer_.any_hit_single(rays, tally_.secondary); });
+    return timed([&] { return tracer_.any_hit(rays, tally_.secondary); });
   }
   /// Lanes whose shadow ray hits anything.
   LaneMask shadow(const trace::RayPacket& rays) {
