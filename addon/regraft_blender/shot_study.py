@@ -120,10 +120,17 @@ def _json_lines(path: Path) -> list[Row]:
 
 
 def _command(copy: Path, output: Path, threads: int) -> list[str]:
-    words = [sys.executable, "-m", "regraft", "study", "update", str(copy)]
+    words = [_python(), "-m", "regraft", "study", "update", str(copy)]
     words += ["--output", str(output), "--policies", ",".join(POLICIES), "--threads", str(threads)]
     # Blender's own Python has no matplotlib; the panel draws for itself.
     return words if importlib.util.find_spec("matplotlib") else [*words, "--no-plots"]
+
+
+def _python() -> str:
+    """The Python whose packages Blender uses: a Blender that has none of its own takes
+    `sys.executable` from the PATH, where another one may come first."""
+    own = Path(sys.prefix) / "bin" / f"python{sys.version_info.major}.{sys.version_info.minor}"
+    return str(own) if own.exists() else sys.executable
 
 
 def _environment() -> dict[str, str]:
