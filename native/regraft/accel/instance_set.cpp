@@ -48,16 +48,19 @@ bool can_be_placed(const Scene& scene, std::span<const Blas> blases, std::uint32
   return can_be_hit(scene, blases, id) && complaint(placement(scene, blases, id)) == nullptr;
 }
 
-bool is_identity(const double (&m)[12]) {
-  constexpr double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-  return std::equal(m, m + 12, identity);
+bool is_identity(const trace::InstanceView& view) {
+  constexpr double linear[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  return std::ranges::equal(view.world_to_object, linear) &&
+         std::ranges::count(view.position, 0.0) == 3;
 }
 
 void set_inverse(trace::InstanceView& view, const Mat4d& object_to_world) {
-  const Mat4d inverse = glm::inverse(object_to_world);
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 4; ++c) view.world_to_object[4 * r + c] = inverse[c][r];
-  view.identity = is_identity(view.world_to_object);
+  const Mat3d inverse = glm::inverse(Mat3d(object_to_world));
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) view.world_to_object[3 * r + c] = inverse[c][r];
+    view.position[r] = object_to_world[3][r];
+  }
+  view.identity = is_identity(view);
 }
 
 Mat4d relative(Mat4d m, const Vec3d& origin) {

@@ -61,11 +61,10 @@ struct Frame {
   Frame() = default;
   Frame(const InstanceView& instance, const Vec3d& world) : of(&instance) {
     const double* m = instance.world_to_object;
-    const Mat3d to_object(m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]);
-    const Vec3d shift(m[3], m[7], m[11]);
+    const Mat3d to_object(m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]);
     to_world = glm::inverse(to_object);
-    origin = -(to_world * shift);
-    p = to_object * world + shift;
+    origin = Vec3d(instance.position[0], instance.position[1], instance.position[2]);
+    p = to_object * (world - origin);
     // The largest row sum of MᵀM bounds its largest eigenvalue, the square of the stretch: exact
     // for turns, mirrors and scales.
     const Mat3d square = glm::transpose(to_object) * to_object;

@@ -98,9 +98,11 @@ REGRAFT_INLINE LocalFrame to_object(const InstanceView& instance, const double* 
     }
     return r;
   }
+  const double* p = instance.position;
+  const double from[3] = {o[0] - p[0], o[1] - p[1], o[2] - p[2]};
   for (int k = 0; k < 3; ++k) {
-    const double* m = instance.world_to_object + 4 * k;
-    r.origin[k] = ((m[0] * o[0] + m[1] * o[1]) + m[2] * o[2]) + m[3];
+    const double* m = instance.world_to_object + 3 * k;
+    r.origin[k] = (m[0] * from[0] + m[1] * from[1]) + m[2] * from[2];
     r.direction[k] = (m[0] * d[0] + m[1] * d[1]) + m[2] * d[2];
   }
   return r;

@@ -202,8 +202,9 @@ REGRAFT_INLINE std::uint64_t to_object(const InstanceView& instance, const RayPa
                                        LocalPacket& local) {
   alignas(64) double distance[lanes_all], length[lanes_all];
   for (int i = 0; i < lanes_all; ++i) distance[i] = length[i] = 0.0;
+  const double* p = instance.position;
   for (int k = 0; k < 3; ++k) {
-    const double* m = instance.world_to_object + 4 * k;
+    const double* m = instance.world_to_object + 3 * k;
     const double center = instance.mesh.center[k];
     const auto convert = [&](int i, double o, double d) {
       const double a = std::fabs(o - center);
@@ -219,7 +220,7 @@ REGRAFT_INLINE std::uint64_t to_object(const InstanceView& instance, const RayPa
       for (int i = 0; i < lanes_all; ++i) convert(i, o[k][i], d[k][i]);
     else
       for (int i = 0; i < lanes_all; ++i)
-        convert(i, ((m[0] * o[0][i] + m[1] * o[1][i]) + m[2] * o[2][i]) + m[3],
+        convert(i, (m[0] * (o[0][i] - p[0]) + m[1] * (o[1][i] - p[1])) + m[2] * (o[2][i] - p[2]),
                 (m[0] * d[0][i] + m[1] * d[1][i]) + m[2] * d[2][i]);
   }
   return far_lanes(distance, length, 64.0 * instance.mesh.radius);

@@ -31,9 +31,12 @@ struct MeshView {
 /// False if all corners of a triangle lie on one line, exactly.
 bool has_area(const MeshView& mesh, std::uint32_t prim);
 
-/// A mesh placed in the world.
+/// A mesh placed in the world: p there is `world_to_object` · (p − `position`) in object space. The
+/// difference is taken first, since it is exact for what is near the instance, however far both are
+/// from the world's origin.
 struct InstanceView {
-  double world_to_object[12]{};  ///< row-major 3×4
+  double world_to_object[9]{};  ///< row-major 3×3
+  double position[3]{};         ///< of the object's origin, in the world
   MeshView mesh;
   float lo[3]{};  ///< box in the coordinates of the top tree
   float hi[3]{};

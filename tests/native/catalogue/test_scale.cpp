@@ -55,6 +55,28 @@ TEST(Place, AMillionAndABillionUnitsAwayIsRight) {
     EXPECT_EQ(problems_of(1.0, at({far, -far, 0.5 * far}), 5), "") << far;
 }
 
+TEST(Place, ATrillionSizesAwayIsTheSameInEveryTree) {
+  // Walls across an axis fill their boxes: a ray that rounding moves by a little meets the wall
+  // although it passes the box.
+  Geometry walls;
+  for (const Vec3d& p : {Vec3d(-1, -1, -1), Vec3d(1, 0.5, 0), Vec3d(0, 1, 1)})
+    walls += floor_grid(3, 0.1f).moved(p);
+  Random random(10);
+  const Vec3d far(0x1p40, -0x1p40, 0x1p40);
+  Bed bed;
+  std::vector<Ray> rays;
+  for (int i = 0; i < 4; ++i) {
+    const Mat4d m = at(far + random.in_box(1.0)) * scale(random.uniform(0.2, 0.4));
+    bed.add(walls, m);
+    for (const Vec3& corner : walls.vertices) {
+      const Vec3d from = far + 2.0 * random.in_box(1.0);
+      rays.push_back({from, Vec3d(m * glm::dvec4(corner, 1.0)) - from});
+    }
+  }
+  ASSERT_EQ(bed.update(), "");
+  EXPECT_EQ(bed.differences(rays), "");
+}
+
 TEST(Scale, ATeapotInAStadiumABillionTimesItsSizeIsHitWhereItIs) {
   Bed bed;
   const std::uint32_t teapot = bed.add(sphere(8, 12));
