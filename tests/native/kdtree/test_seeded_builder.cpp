@@ -14,10 +14,13 @@ namespace {
 using kdtree::Refine;
 using kdtree::Refinement;
 
-/// A row of 4^6 unit cubes on the x axis in a tree of fan-out 4; opened entries are counted.
+/// A row of 4^6 unit cubes on the x axis in a tree of fan-out 4. The boxes of its first `veiled`
+/// levels tell nothing: each is the whole row's.
 class Row final : public HierarchyView {
  public:
   static constexpr std::uint32_t levels = 6;
+
+  explicit Row(std::uint32_t veiled = 0) : veiled_(veiled) {}
 
   void top(std::vector<HierarchyEntry>& out) const override { out.push_back(entry(0, 0)); }
   void open(const HierarchyEntry& e, std::vector<HierarchyEntry>& out) const override {
@@ -30,12 +33,14 @@ class Row final : public HierarchyView {
   std::uint32_t fan_out() const override { return 4; }
 
  private:
-  static HierarchyEntry entry(std::uint32_t level, std::uint32_t index) {
+  HierarchyEntry entry(std::uint32_t level, std::uint32_t index) const {
     const auto below = std::uint32_t(1) << (2 * (levels - level));
-    const auto first = float(index * below);
-    const Aabb box{{first, 0, 0}, {first + float(below), 1, 1}};
-    return {box, double(below), level, level == levels ? 0u : 1u, index};
+    const float first = level < veiled_ ? 0.0f : float(index * below);
+    const float last = level < veiled_ ? 4096.0f : first + float(below);
+    return {{{first, 0, 0}, {last, 1, 1}}, double(below), level, level == levels ? 0u : 1u, index};
   }
+
+  std::uint32_t veiled_;
 };
 
 kdtree::Pending everything(const HierarchyView& view) {
@@ -101,6 +106,29 @@ TEST(SeededBuilder, ANodeIsSplitAndItsWeightsAreShared) {
   EXPECT_EQ(built.children[0].weight + built.children[1].weight, 4096.0);
   EXPECT_EQ(built.children[0].voxel.hi.x, built.position);
   EXPECT_NEAR(built.children[0].budget + built.children[1].budget, builder.root().budget, 1e-6);
+}
+
+TEST(SeededBuilder, WhereNoSplitPaysItDigsFiveTimesAsDeepAndNoDeeper) {
+  kdtree::Config config;
+  config.refine_to = 10;
+  const std::size_t fan_out = 4, limit = 5 * (config.refine_to + fan_out);
+  {
+    // 4^3 entries have to be seen before a plane parts them: within the limit.
+    const Row row(3);
+    const kdtree::SeededBuilder builder(row, config);
+    const kdtree::Built built = builder.build(builder.root());
+    ASSERT_EQ(built.axis, 0);
+    for (const kdtree::Pending& child : built.children)
+      EXPECT_LE(child.list.size(), limit + fan_out - 2);
+  }
+  {
+    // 4^5 would have to be.
+    const Row row(5);
+    const kdtree::SeededBuilder builder(row, config);
+    const kdtree::Built built = builder.build(builder.root());
+    EXPECT_EQ(built.axis, -1);
+    EXPECT_EQ(built.prims.size(), 4096u);
+  }
 }
 
 TEST(ClipTriangle, TheBoxOfThePartInsideIsTightAndRoundedOutward) {
