@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,8 @@ from regraft.study import plots
 from regraft.study.report import Report
 from regraft.study.shot import Shot
 
+REPEATS = 5
+MINUTES = 4.0
 FACTS = {
     "processor": "processor",
     "cores": "cores",
@@ -50,6 +53,34 @@ def add_options(parser: argparse.ArgumentParser, kind: str) -> None:
     )
     add_output(parser, kind)
     parser.add_argument("--verbose", action="store_true", help="let Blender's own output through")
+
+
+def add_size(parser: argparse.ArgumentParser, pixels: int) -> None:
+    """--size."""
+    parser.add_argument(
+        "--size",
+        type=options.whole_number(4, 16384),
+        default=pixels,
+        metavar="N",
+        help="pixels of the square picture's side (default: %(default)s)",
+    )
+
+
+def add_repeats(parser: argparse.ArgumentParser, what: str) -> None:
+    """--repeats of `what`."""
+    parser.add_argument(
+        "--repeats",
+        type=options.whole_number(1, 1000),
+        metavar="N",
+        help=f"{what}; times are their medians (default: {REPEATS}, fewer where that would take "
+        f"more than {MINUTES:g} minutes)",
+    )
+
+
+def repeats(args: argparse.Namespace) -> tuple[int, float]:
+    """How often to measure, and within how many minutes: just as often as --repeats asks, or as
+    time allows."""
+    return args.repeats or REPEATS, inf if args.repeats else MINUTES
 
 
 def add_output(parser: argparse.ArgumentParser, kind: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from regraft.cli import options, study_frame
+from regraft.cli import study_frame
 from regraft.cli.console import Console
 from regraft.cli.interrupt import Interrupt
 from regraft.study import aging, prediction, prediction_report
@@ -26,13 +26,7 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     )
     parser.set_defaults(run=run)
     study_frame.add_options(parser, "prediction")
-    parser.add_argument(
-        "--size",
-        type=options.whole_number(1, 16384),
-        default=128,
-        metavar="N",
-        help="pixels of the square picture's side (default: %(default)s)",
-    )
+    study_frame.add_size(parser, 128)
 
 
 def run(args: argparse.Namespace, console: Console) -> int:

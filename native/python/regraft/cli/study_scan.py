@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from math import inf
 
-from regraft.cli import options, study_frame
+from regraft.cli import study_frame
 from regraft.cli.console import Console
 from regraft.cli.interrupt import Interrupt
 from regraft.study import scan, scan_report
-
-REPEATS = 5
-MINUTES = 4.0
 
 
 def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -26,20 +22,8 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     )
     parser.set_defaults(run=run)
     study_frame.add_options(parser, "scan")
-    parser.add_argument(
-        "--size",
-        type=options.whole_number(4, 4096),
-        default=256,
-        metavar="N",
-        help="pixels of the square picture's side (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--repeats",
-        type=options.whole_number(1, 1000),
-        metavar="N",
-        help="builds of every tree; times are their medians (default: "
-        f"{REPEATS}, fewer where that would take more than {MINUTES:g} minutes)",
-    )
+    study_frame.add_size(parser, 256)
+    study_frame.add_repeats(parser, "builds of every tree")
 
 
 def run(args: argparse.Namespace, console: Console) -> int:
@@ -50,7 +34,7 @@ def run(args: argparse.Namespace, console: Console) -> int:
         threads=args.threads or "all cores",
         picture=f"{args.size}² pixels",
     )
-    repeats, minutes = args.repeats or REPEATS, inf if args.repeats else MINUTES
+    repeats, minutes = study_frame.repeats(args)
     settings = scan.Settings(args.size, repeats, minutes, args.threads)
     with Interrupt(console).watching() as interrupt:
         for name, shot in study_frame.shots(args, console, interrupt):

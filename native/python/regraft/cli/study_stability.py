@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from regraft.cli import options, study_frame
+from regraft.cli import study_frame
 from regraft.cli.console import Console
 from regraft.cli.interrupt import Interrupt
 from regraft.study import stability, stability_report
@@ -22,13 +22,7 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     )
     parser.set_defaults(run=run)
     study_frame.add_options(parser, "stability")
-    parser.add_argument(
-        "--size",
-        type=options.whole_number(4, 2048),
-        default=64,
-        metavar="N",
-        help="pixels of the square picture's side (default: %(default)s)",
-    )
+    study_frame.add_size(parser, 64)
 
 
 def run(args: argparse.Namespace, console: Console) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
-from math import inf
 from typing import Any
 
 from regraft.cli import options, study_frame
@@ -16,8 +15,6 @@ from regraft.study.report import Report
 from regraft.study.shot import Shot
 
 Row = dict[str, Any]
-REPEATS = 5
-MINUTES = 4.0
 
 
 def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -45,31 +42,20 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         metavar="A,B",
         help=f"of {', '.join(LAYOUTS)} (default: two-level)",
     )
-    parser.add_argument(
-        "--size",
-        type=options.whole_number(1, 16384),
-        default=256,
-        metavar="N",
-        help="pixels of the square picture's side (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--repeats",
-        type=options.whole_number(1, 1000),
-        metavar="N",
-        help="replays of the shot; times are their medians (default: "
-        f"{REPEATS}, fewer where that would take more than {MINUTES:g} minutes)",
-    )
+    study_frame.add_size(parser, 256)
+    study_frame.add_repeats(parser, "replays of the shot")
 
 
 def run(args: argparse.Namespace, console: Console) -> int:
     """Runs `regraft study update`; raises CommandError. Returns the exit code."""
     study_frame.prepare(args, args.files)
+    repeats, minutes = study_frame.repeats(args)
     settings = update.Settings(
         args.policies,
         args.layouts,
         args.size,
-        args.repeats or REPEATS,
-        inf if args.repeats else MINUTES,
+        repeats,
+        minutes,
         args.threads,
     )
     report = study_frame.start(
