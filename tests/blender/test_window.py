@@ -18,7 +18,8 @@ SCREEN = "-screen 0 1280x800x24"
 
 def run_in_window(blender: Blender, script: Path, folder: Path) -> str:
     """Run a script that ends Blender by itself; all it wrote."""
-    options = ["--factory-startup", "--window-geometry", "0", "0", "1280", "800"]
+    options = ["--factory-startup", "--enable-event-simulate"]
+    options += ["--window-geometry", "0", "0", "1280", "800"]
     inside = ["--python", str(RUNNER), "--", "--addon", str(script), str(folder)]
     done = subprocess.run(
         ["xvfb-run", "-a", "-s", SCREEN, str(blender.executable), *options, *inside],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import bpy
@@ -65,15 +66,36 @@ def check_it_runs_in_the_background_and_tells_its_verdict() -> Waiting:
         bpy.ops.screen.screenshot(filepath=str(TEMPORARY / "study.png"))
 
 
-def check_it_is_cancelled_by_its_button() -> Waiting:
+def started() -> Any:
+    """A study of a long shot, under way."""
     stage(250)
     with here():
         bpy.ops.regraft.study_shot("INVOKE_DEFAULT")
-    study = part("shot_study").last()
+    return part("shot_study").last()
+
+
+def check_it_is_cancelled_by_its_button() -> Waiting:
+    study = started()
     yield lambda: study.progress()[1] != ""
     bpy.ops.regraft.cancel_study()
     yield lambda: not study.is_running()
     assert "Cancelled" in draw_panel()
+
+
+def check_it_is_cancelled_by_escape_and_by_no_other_key() -> Waiting:
+    study = started()
+    yield lambda: study.progress()[1] != ""
+    window = bpy.context.window_manager.windows[0]
+    for key in ("A", "ESC"):
+        assert study.is_running()
+        for value in ("PRESS", "RELEASE"):
+            window.event_simulate(type=key, value=value, x=400, y=400)
+        handled = time.monotonic() + 1.0
+        yield lambda until=handled: time.monotonic() > until
+    assert not study.is_running()
+    assert "Cancelled" in draw_panel()
+    with here():
+        assert bpy.ops.regraft.study_shot.poll()
 
 
 run(globals())
