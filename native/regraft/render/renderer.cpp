@@ -36,7 +36,8 @@ void set_times(const LoopTally& tally, double wall_ms, FrameStatistics& s) {
   s.shade_ms = wall_ms - s.trace_ms;
 }
 
-/// Observed counterpart of the trees' SAH cost: work per ray.
+/// The observed counterpart of C(root), which counts a node for every ray that enters it and speaks
+/// of rays that hit the scene.
 void set_counts(const shade::RayTally& rays, FrameStatistics& s) {
   trace::TraceCounters all = rays.primary;
   all += rays.shadow;
@@ -46,9 +47,9 @@ void set_counts(const shade::RayTally& rays, FrameStatistics& s) {
   s.rays_secondary = rays.secondary.rays;
   s.nodes_visited = all.nodes_visited;
   s.triangle_tests = all.triangle_tests;
-  if (all.rays != 0)
+  if (all.rays_met != 0)
     s.observed_cost =
-        (double(all.nodes_visited) + leaf_cost * double(all.triangle_tests)) / double(all.rays);
+        (double(all.node_entries) + leaf_cost * double(all.triangle_tests)) / double(all.rays_met);
 }
 
 void list_left_out(const shade::PictureShading& picture, const LoopTally& tally,

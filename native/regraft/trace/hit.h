@@ -34,12 +34,17 @@ struct alignas(64) HitPacket {
 /// Deterministic work counts, summed over rays.
 struct TraceCounters {
   std::uint64_t rays = 0;
-  std::uint64_t nodes_visited = 0;   ///< inner nodes entered, once a ray or once a packet
+  std::uint64_t nodes_visited = 0;  ///< inner nodes entered, once a ray or once a packet
+  /// (ray, inner node) pairs entered; a root by rays that find something in it.
+  std::uint64_t node_entries = 0;
   std::uint64_t triangle_tests = 0;  ///< (ray, triangle) pairs evaluated
+  std::uint64_t rays_met = 0;        ///< rays that found something in the root
   TraceCounters& operator+=(const TraceCounters& o) {
     rays += o.rays;
     nodes_visited += o.nodes_visited;
+    node_entries += o.node_entries;
     triangle_tests += o.triangle_tests;
+    rays_met += o.rays_met;
     return *this;
   }
 };

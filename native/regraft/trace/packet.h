@@ -41,7 +41,25 @@ class PacketTracer {
         best_(rays) {}
 
   void run() {
-    counters_.rays += std::uint64_t(std::popcount(alive_));
+    trace_all();
+    counters_.rays += std::uint64_t(std::popcount(rays_.active));
+    counters_.rays_met += std::uint64_t(std::popcount(met_));
+  }
+
+  std::uint64_t occluded() const { return rays_.active & occluded_; }
+  void store(HitPacket& hits) const { best_.store(rays_.active, hits); }
+
+ private:
+  struct Entry {
+    const WideNode<W>* parent;
+    int slot;
+    float near;
+    std::uint64_t mask;
+  };
+
+  static constexpr LaneBits full = LaneBits((std::uint64_t(1) << R) - 1);
+
+  void trace_all() {
     for (std::uint64_t todo = cost_ != nullptr ? alive_ : 0; todo != 0; todo &= todo - 1)
       cost_[std::countr_zero(todo)] = 0;
     if (alive_ == 0 || view_.top_nodes == nullptr) return;
@@ -59,28 +77,15 @@ class PacketTracer {
           [&](std::uint32_t child, std::uint64_t mask) { top_leaf(child, mask); },
           [&](std::uint32_t child, std::uint64_t mask) { singles_from_top(child, mask); });
     } else if (is_oblique(top_)) {
-      walk_mixed<W, R>(
+      met_ |= walk_mixed<W, R>(
           WideTree<W>(view_.top_nodes, view_.entered), top_, rays_.t_near, best_.t, alive_,
-          single_below, counters_.nodes_visited, [&] { return alive_; },
+          single_below, counters_, [&] { return alive_; },
           [&](std::uint32_t child, std::uint64_t mask) { top_leaf(child, mask); },
           [&](std::uint32_t child, std::uint64_t mask) { singles_from_top(child, mask); });
     } else {
       singles_from_top(0, alive_);
     }
   }
-
-  std::uint64_t occluded() const { return rays_.active & occluded_; }
-  void store(HitPacket& hits) const { best_.store(rays_.active, hits); }
-
- private:
-  struct Entry {
-    const WideNode<W>* parent;
-    int slot;
-    float near;
-    std::uint64_t mask;
-  };
-
-  static constexpr LaneBits full = LaneBits((std::uint64_t(1) << R) - 1);
 
   bool set_top() {
     alignas(64) float origin[3][lanes_all], direction[3][lanes_all];
@@ -95,8 +100,14 @@ class PacketTracer {
     return set_slab_packet<R>(top_, origin, direction, view_.magnitude);
   }
 
-  void finish_single(int i, const Nearest& n, const Work& work) {
+  /// `root`: where the ray began.
+  void finish_single(int i, std::uint32_t root, const Nearest& n, const Work& work) {
     counters_.nodes_visited += work.nodes;
+    // One that looked at a tree's root only found nothing in it.
+    if (root != 0 || work.all() > 1) {
+      counters_.node_entries += work.nodes;
+      met_ |= std::uint64_t(1) << i;
+    }
     counters_.triangle_tests += work.tests;
     if (cost_ != nullptr) cost_[i] += work.nodes + work.tests;
     best_.take(i, n);
@@ -115,7 +126,7 @@ class PacketTracer {
       Work work{0, 0, sampled_};
       const WorldRay ray = load_ray(rays_, std::uint32_t(i));
       trace_top<W, AnyHit>(view_, ray, make_top(view_, ray), child, n, work);
-      finish_single(i, n, work);
+      finish_single(i, child, n, work);
     }
   }
 
@@ -137,12 +148,14 @@ class PacketTracer {
   REGRAFT_INLINE void walk_packet(const WideTree<W>& tree, const SlabPacket& packet,
                                   std::uint64_t mask, const Leaf& leaf, const Few& few) {
     Entry stack[stack_size<W>];
+    std::uint64_t met = 0;
     Entry* top = push(stack, tree, 0, packet, mask);
     while (top > stack) {
       const Entry entry = *--top;
       const std::uint64_t entered =
           enter_slot(packet, *entry.parent, entry.slot, entry.mask & alive_);
       if (entered == 0) continue;
+      met |= entered;
       const std::uint32_t child = entry.parent->child[entry.slot];
       if (WideChild::is_leaf(child)) {
         if (child == WideChild::none) continue;
@@ -153,8 +166,11 @@ class PacketTracer {
         few(child, entered);
         continue;
       }
+      counters_.node_entries += std::uint64_t(std::popcount(entered));
       top = push(top, tree, child, packet, entered);
     }
+    counters_.node_entries += std::uint64_t(std::popcount(met));
+    met_ |= met;
   }
 
   /// Adds the slots of a node that the packet may enter, nearest on top; returns the new end.
@@ -208,9 +224,9 @@ class PacketTracer {
     const std::uint64_t before = counters_.nodes_visited + counters_.triangle_tests;
     const bool sampled = std::exchange(sampled_, false);
     extracted_ = 0;
-    walk_mixed<W, R>(
+    met_ |= walk_mixed<W, R>(
         WideTree<W>(instance.mesh.nodes, instance.mesh.entered), local_, rays_.t_near, best_.t,
-        mask, single_below, counters_.nodes_visited, [&] { return alive_; },
+        mask, single_below, counters_, [&] { return alive_; },
         [&](std::uint32_t child, std::uint64_t inside) { mixed_leaf(instance, child, inside); },
         [&](std::uint32_t child, std::uint64_t inside) {
           for (; inside != 0; inside &= inside - 1) {
@@ -283,7 +299,7 @@ class PacketTracer {
     Nearest n = best_.at(i);
     Work work{0, 0, sampled_};
     trace_mesh<W, AnyHit>(ray, instance, root, n, work);
-    finish_single(i, n, work);
+    finish_single(i, root, n, work);
   }
 
   void instance_packet(const InstanceView& instance, std::uint64_t mask) {
@@ -318,6 +334,7 @@ class PacketTracer {
   std::uint64_t alive_;
   bool sampled_;
   std::uint64_t occluded_ = 0;
+  std::uint64_t met_ = 0;  ///< rays that found something in a root
   float start_ = 0.0f;
   NearestPacket best_;
   SlabPacket top_;

@@ -59,6 +59,8 @@ class CellPacketWalk {
     for (std::uint64_t todo = alive_ & cells_.remapped; todo != 0; todo &= todo - 1)
       single(std::countr_zero(todo));
     inside &= ~cells_.remapped;
+    met_ |= inside;
+    counters_.rays_met += std::uint64_t(std::popcount(met_));
     while (inside != 0) {
       all.mask = inside & cells_.octant_of(std::countr_zero(inside));
       inside &= ~all.mask;
@@ -110,6 +112,7 @@ class CellPacketWalk {
       const std::uint32_t state = node.state.load(std::memory_order_acquire);
       if (Node::is_inner(state)) {
         ++counters_.nodes_visited;
+        counters_.node_entries += std::uint64_t(std::popcount(stack_[top].mask));
         if (enter_sides(node, int(state), stack_[top], stack_[top + 1])) ++top;
       } else if (Node::is_built(state)) {
         test_leaf(node.prims, Node::prim_count(state), stack_[top].mask);
@@ -214,6 +217,8 @@ class CellPacketWalk {
 
   void finish_single(int i, const Nearest& n, const Work& work) {
     counters_.nodes_visited += work.nodes;
+    counters_.node_entries += work.nodes;
+    if (work.all() != 0) met_ |= std::uint64_t(1) << i;
     counters_.triangle_tests += work.tests;
     best_.take(i, n);
     if (AnyHit && n.prim_id != 0xFFFFFFFFu) occlude(std::uint64_t(1) << i);
@@ -229,6 +234,7 @@ class CellPacketWalk {
   TraceCounters& counters_;
   std::uint64_t alive_;
   std::uint64_t occluded_ = 0;
+  std::uint64_t met_ = 0;  ///< rays that go through the tree's box
   NearestPacket best_;
   CellRayPacket cells_;
   Places places_;

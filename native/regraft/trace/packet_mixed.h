@@ -57,11 +57,13 @@ REGRAFT_INLINE void enter_slots(const WideNode<W>& node, const SlabPacket& packe
 ///
 /// `alive()` gives the rays that still want to know; `leaf(child, mask)` tests a leaf;
 /// `few(child, mask)` takes over where less than `least` rays enter.
+/// @return the rays that found something in the root together.
 template <int W, int R, typename Alive, typename Leaf, typename Few>
-REGRAFT_INLINE void walk_mixed(const WideTree<W>& tree, const SlabPacket& packet,
-                               const float (&t_near)[lanes_all], const float (&t)[lanes_all],
-                               std::uint64_t mask, int least, std::uint64_t& nodes,
-                               const Alive& alive, const Leaf& leaf, const Few& few) {
+REGRAFT_INLINE std::uint64_t walk_mixed(const WideTree<W>& tree, const SlabPacket& packet,
+                                        const float (&t_near)[lanes_all],
+                                        const float (&t)[lanes_all], std::uint64_t mask, int least,
+                                        TraceCounters& counters, const Alive& alive,
+                                        const Leaf& leaf, const Few& few) {
   struct Entry {
     std::uint32_t child;
     float near;
@@ -70,6 +72,7 @@ REGRAFT_INLINE void walk_mixed(const WideTree<W>& tree, const SlabPacket& packet
   Entry stack[stack_size<W>];
   Entry* top = stack;
   *top++ = {0, 0.0f, mask};
+  std::uint64_t met = 0;
   while (top > stack) {
     const Entry entry = *--top;
     const std::uint64_t inside = entry.mask & alive();
@@ -78,7 +81,7 @@ REGRAFT_INLINE void walk_mixed(const WideTree<W>& tree, const SlabPacket& packet
       few(entry.child, inside);
       continue;
     }
-    ++nodes;
+    ++counters.nodes_visited;
     const WideNode<W>& node = tree.nodes[entry.child];
     std::uint64_t entered[W];
     enter_slots<W, R>(node, packet, t_near, t, inside, entered);
@@ -106,7 +109,10 @@ REGRAFT_INLINE void walk_mixed(const WideTree<W>& tree, const SlabPacket& packet
       *at = {child, distance[slot], entered[slot]};
     }
     if (any != 0) mark(tree.entered, entry.child);
+    if (entry.child == 0) met = any;
+    counters.node_entries += std::uint64_t(std::popcount(entry.child == 0 ? any : inside));
   }
+  return met;
 }
 
 }  // namespace regraft::trace::REGRAFT_SIMD_NAMESPACE

@@ -31,6 +31,8 @@ REGRAFT_INLINE void store_hit(HitPacket& hits, std::uint32_t i, const Nearest& n
 REGRAFT_INLINE void count(TraceCounters& counters, const Work& work) {
   ++counters.rays;
   counters.nodes_visited += work.nodes;
+  counters.node_entries += work.nodes;
+  counters.rays_met += work.all() != 0;
   counters.triangle_tests += work.tests;
 }
 

@@ -119,9 +119,15 @@ TEST(Renderer, RaysAreCountedByWhatTheyAreFor) {
   EXPECT_EQ(frame.statistics.rays_shadow, 64u);
   EXPECT_EQ(frame.statistics.rays_secondary, 0u);
   EXPECT_GT(frame.statistics.triangle_tests, 0u);
-  EXPECT_DOUBLE_EQ(frame.statistics.observed_cost, (double(frame.statistics.nodes_visited) +
-                                                    1.5 * double(frame.statistics.triangle_tests)) /
-                                                       320.0);
+}
+
+TEST(Renderer, ObservedCostDoesNotDependOnHowMuchOfThePictureIsEmpty) {
+  Stage stage;
+  stage.add(sphere(16));
+  const double near = stage.picture(from_above(1.0), sized(64, 64)).statistics.observed_cost;
+  const double far = stage.picture(from_above(4.0), sized(256, 256)).statistics.observed_cost;
+  EXPECT_GT(near, 5.0);
+  EXPECT_NEAR(far, near, 0.05 * near);
 }
 
 TEST(Renderer, TracingAStaleSceneIsRefused) {

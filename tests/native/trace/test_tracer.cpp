@@ -225,5 +225,43 @@ TEST(Tracer, CostIsNodesAndTrianglesOfTheRay) {
   EXPECT_EQ(counters.rays, 2u);
 }
 
+TEST(Tracer, ANodeThatAPacketEntersOnceIsEnteredByEachOfItsRays) {
+  Scene scene;
+  for (double x : {-3.0, 0.0, 3.0}) add(scene, sphere(8, 12).moved({x, 0.0, 0.0}));
+  const auto trace_equal_rays = [](const trace::Tracer& tracer, int count, double x) {
+    trace::RayPacket packet{};
+    for (int i = 0; i < count; ++i) {
+      packet.origin[0][i] = x;
+      packet.origin[2][i] = 5.0;
+      packet.direction[2][i] = -1.0;
+      packet.t_far[i] = inf;
+    }
+    packet.count = std::uint32_t(count);
+    packet.active = ~std::uint64_t(0) >> (64 - count);
+    trace::HitPacket hits;
+    trace::TraceCounters counters;
+    tracer.closest_hit(packet, hits, counters);
+    return counters;
+  };
+  for (const test::Setup& setup : setups()) {
+    accel::UpdateOptions options;
+    options.layout = setup.layout;
+    options.structure = setup.structure;
+    accel::Accelerator accelerator;
+    accelerator.update(scene, scene.changes(), options, 4, pool(1));
+    const trace::Tracer tracer(accelerator.view(), simd::Isa::scalar);
+    const trace::TraceCounters one = trace_equal_rays(tracer, 1, 0.2);
+    const trace::TraceCounters few = trace_equal_rays(tracer, 16, 0.2);
+    const trace::TraceCounters many = trace_equal_rays(tracer, 64, 0.2);
+    EXPECT_GT(few.node_entries, 16u * 3u) << setup;
+    EXPECT_EQ(many.node_entries, 4 * few.node_entries) << setup;
+    EXPECT_EQ(many.rays_met, 64u) << setup;
+    EXPECT_EQ(one.node_entries, one.nodes_visited) << setup;
+    EXPECT_EQ(trace_equal_rays(tracer, 16, 9.0).node_entries, 0u) << setup;
+    EXPECT_EQ(trace_equal_rays(tracer, 16, 9.0).rays_met, 0u) << setup;
+    EXPECT_EQ(trace_equal_rays(tracer, 1, 9.0).rays_met, 0u) << setup;
+  }
+}
+
 }  // namespace
 }  // namespace regraft::test
