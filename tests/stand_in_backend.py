@@ -45,5 +45,17 @@ class StandInBackend:
             "left_out": ["no deformation: no refit"],
         }
 
+    def begin_recording(self, folder: Path) -> None:
+        raise NotImplementedError
+
+    def record_frame(self, frame: int) -> None:
+        raise NotImplementedError
+
+    def end_recording(self, is_complete: bool) -> None:
+        raise NotImplementedError
+
+    def plan(self, folder: Path) -> None:
+        raise NotImplementedError
+
     def close(self) -> None:
         self.closed = True

@@ -105,6 +105,21 @@ def test_frames_statistics_and_movie_are_there(command: Command, tmp_path: Path)
     assert "median ms a frame" in said
 
 
+def test_the_policy_that_plans_is_given_key_frames(command: Command, tmp_path: Path) -> None:
+    said = command.render(
+        command.scenes / "moving.blend",
+        *("--output", tmp_path / "f", "--policy", "shot", "--statistics", tmp_path / "s.jsonl"),
+    )
+    assert [f"key frame {i} evaluated" in said for i in range(1, 8)] == [True] * 6 + [False]
+    frames = [tmp_path / "f" / f"moving_{i:04d}.png" for i in (1, 6)]
+    for frame in frames:
+        verify(frame, 160, 90)
+    assert np.abs(pixels(frames[0]) - pixels(frames[1])).max() > 20, "the cube does not move"
+    rows = [json.loads(line) for line in (tmp_path / "s.jsonl").read_text().splitlines()]
+    assert [row["policy"] for row in rows] == ["shot"] * 6
+    assert [row["nodes_rebuilt"] > 0 for row in rows] == [True] + [False] * 5
+
+
 def test_exr_files_hold_the_passes(command: Command, tmp_path: Path) -> None:
     passes = ("combined", "depth", "normal", "object_index", "cost")
     command.render(

@@ -16,6 +16,7 @@ from regraft.cli.errors import InputError, InterruptedRunError, OutputError
 from regraft.cli.job import RenderJob
 from regraft.cli.render_run import Outputs, RenderRun
 from stand_in_backend import StandInBackend
+from stand_in_recording import RecordingStandIn
 
 
 @dataclass
@@ -40,10 +41,11 @@ class Shot:
         samples: int = 1,
         movie: bool = False,
         explain: bool = False,
+        policy: str = "auto",
     ) -> int:
         target = self.folder / "m.mp4" if movie else None
         outputs = Outputs(self.frames, "shot", ".png", self.statistics, target, resume)
-        job = RenderJob(str(self.folder / "shot.blend"), samples=samples)
+        job = RenderJob(str(self.folder / "shot.blend"), samples=samples, policy=policy)
         with Console() as console:
             run = RenderRun(job, outputs, None, console, explain=explain, choose=lambda _: backend)
             return run.run()
@@ -80,6 +82,24 @@ def test_all_that_was_asked_for_is_there(shot: Shot, capfd: pytest.CaptureFixtur
     assert f"statistics: {shot.statistics}" in told
     assert "median ms a frame: evaluate 0.0" in told
     assert "left out: no deformation: no refit (3 of 3 frames)" in told
+
+
+def test_a_planned_render_first_evaluates_key_frames_of_all_that_is_to_be_rendered(
+    shot: Shot, capfd: pytest.CaptureFixture[str]
+) -> None:
+    backend = RecordingStandIn(15)
+    shot.run(backend, policy="shot")
+    assert backend.planned == (1, 3, 5, 7, 9, 11, 13, 15)
+    assert backend.rendered == list(range(1, 16))
+    told = capfd.readouterr()
+    assert "key frame 13 evaluated" in told.out + told.err
+
+
+def test_a_planned_render_names_a_mesh_whose_triangles_change(shot: Shot) -> None:
+    backend = RecordingStandIn(3, remade=2)
+    with pytest.raises(InputError, match="gets other triangles"):
+        shot.run(backend, policy="shot")
+    assert backend.rendered == []
 
 
 def test_negative_frames_are_named_as_in_blender(shot: Shot) -> None:

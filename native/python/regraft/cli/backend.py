@@ -39,13 +39,15 @@ class Backend(Protocol):
 
 
 class RecordingBackend(Backend, Protocol):
-    """One that can also write the frames down as a shot (regraft.study.shot)."""
+    """One that can also write the frames down as a shot (regraft.study.shot), and plan by one."""
 
     def begin_recording(self, folder: Path) -> None: ...
 
     def record_frame(self, frame: int) -> None: ...
 
     def end_recording(self, is_complete: bool) -> None: ...
+
+    def plan(self, folder: Path) -> None: ...
 
 
 def choose_backend(verbose: bool) -> RecordingBackend:

@@ -50,6 +50,10 @@ class InProcessBackend:
         """See BlenderWorker.end_recording."""
         self._worker.end_recording(is_complete)
 
+    def plan(self, folder: Path) -> None:
+        """See BlenderWorker.plan."""
+        self._worker.plan(folder)
+
     def close(self) -> None:
         """See BlenderWorker.close."""
         with hold_back_output(self._verbose):

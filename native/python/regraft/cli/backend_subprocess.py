@@ -88,6 +88,10 @@ class SubprocessBackend:
         """See BlenderWorker.end_recording."""
         self._ask({"call": "end_recording", "is_complete": is_complete})
 
+    def plan(self, folder: Path) -> None:
+        """See BlenderWorker.plan."""
+        self._ask({"call": "plan", "folder": str(folder)})
+
     def close(self) -> None:
         """Ends the worker: it stops by itself when its requests end."""
         assert self._process.stdin

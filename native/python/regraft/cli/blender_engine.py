@@ -11,7 +11,8 @@ from typing import Any
 
 from regraft.cli.errors import InputError
 from regraft.cli.job import RenderJob
-from regraft.study.shot import Recorder, ShotWriter
+from regraft.study.planned_scene import PlannedScene
+from regraft.study.shot import Recorder, Shot, ShotWriter
 
 ADDON = "regraft_blender"
 # Longer reports hold arguments and stacks that nobody reads in one line.
@@ -68,6 +69,11 @@ class Engine:
         with self._addon.watched(writer) as recorder:
             yield recorder
 
+    def plan(self, shot: Shot) -> None:
+        """From here on native scenes begin anew, planned by the key frames in `shot`."""
+        assert self._addon
+        self._addon.plan(shot)
+
     def read_everything(self) -> None:
         """From here on what has not changed is read as well: for benchmarks."""
         assert self._addon
@@ -90,13 +96,16 @@ class _Addon:
         except ImportError as error:
             raise InputError(f"the add-on {ADDON} cannot be loaded: {error}") from error
         self._package.register()
+        self._new_scene = self._session.new_scene
         self._rows: list[dict[str, Any]] = []
         self._session.add_frame_listener(self._on_frame)
 
     def set_up(self, scene: Any, layer: Any, job: RenderJob) -> None:
         settings = scene.regraft
-        for name in ("shading", "samples", "policy", "structure", "layout", "threads"):
+        for name in ("shading", "samples", "structure", "layout", "threads"):
             setattr(settings, name, getattr(job, name))
+        # Key frames are recorded by a policy that needs none; `plan` sees to the rest.
+        settings.policy = "refit" if job.policy == "shot" else job.policy
         layer.regraft.use_pass_cost = "cost" in job.passes
 
     def take_statistics(self, frame: int) -> dict[str, Any]:
@@ -116,12 +125,17 @@ class _Addon:
         finally:
             self._session.new_scene = new_scene
 
+    def plan(self, shot: Shot) -> None:
+        self._session.close_all()
+        self._session.new_scene = lambda threads: PlannedScene(self._new_scene(threads), shot)
+
     def read_everything(self) -> None:
         session = self._session.Session
         session.synchronise = partialmethod(session.synchronise, everything=True)
 
     def close(self) -> None:
         self._session.remove_frame_listener(self._on_frame)
+        self._session.new_scene = self._new_scene
         self._package.unregister()
 
     def _on_frame(self, statistics: Any) -> None:

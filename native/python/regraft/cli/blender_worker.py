@@ -11,7 +11,7 @@ from regraft.cli import blender_engine, blender_file, blender_view
 from regraft.cli.blender_simulation import RunUp
 from regraft.cli.errors import InputError, OutputError, describe_write_failure
 from regraft.cli.job import RenderJob, SceneInfo
-from regraft.study.shot import Recorder, ShotWriter
+from regraft.study.shot import Recorder, Shot, ShotWriter
 
 # What Blender calls each format: media type (5.0 on), file format, colour mode, depth in bits.
 _FORMATS = {
@@ -20,6 +20,8 @@ _FORMATS = {
     "exr": ("IMAGE", "OPEN_EXR", "RGBA", "16"),
     "exr multi-layer": ("MULTI_LAYER_IMAGE", "OPEN_EXR_MULTILAYER", "RGBA", "32"),
 }
+# Pixels of the longer side while a shot is recorded.
+_SMALL = 64
 _PASS_SWITCHES = {
     "depth": "use_pass_z",
     "normal": "use_pass_normal",
@@ -35,6 +37,7 @@ class BlenderWorker:
         self._engine: blender_engine.Engine | None = None
         self._run_up: RunUp | None = None
         self._recording: _Recording | None = None
+        self._percentage = 100
 
     def open(self, job: RenderJob) -> SceneInfo:
         """Opens and sets up the file. Raises InputError naming what is wrong with it."""
@@ -98,6 +101,8 @@ class BlenderWorker:
         except OSError as error:
             raise describe_write_failure(folder, error) from error
         self._recording = _Recording(folder, writer, self._engine.watched(writer))
+        self._percentage = self._scene.render.resolution_percentage
+        _draw_small(self._scene.render)
 
     def record_frame(self, frame: int) -> None:
         """Renders the frame and writes down all that the library was told for it.
@@ -119,10 +124,18 @@ class BlenderWorker:
         """Finishes the shot; one that is not complete can not be read. Raises OutputError."""
         assert self._recording
         recording, self._recording = self._recording, None
+        self._scene.render.resolution_percentage = self._percentage
         try:
             recording.close(is_complete)
         except OSError as error:
             raise describe_write_failure(recording.folder, error) from error
+
+    def plan(self, folder: Path) -> None:
+        """From here on frames are rendered anew, by policy "shot"; the shot in `folder`, recorded
+        before, holds its key frames."""
+        assert self._engine
+        self._engine.plan(Shot(folder))
+        self._run_up = RunUp(self._scene)
 
     def probe(self) -> dict[str, Any]:
         """Versions, and which of the file formats this Blender reads."""
@@ -178,6 +191,13 @@ def _set_size(scene: Any, job: RenderJob) -> tuple[int, int]:
     if width < 1 or height < 1:
         raise InputError(f"{job.source} asks for a picture of {width} x {height} pixels")
     return width, height
+
+
+def _draw_small(render: Any) -> None:
+    """Pictures that nobody looks at take some thousand rays."""
+    longest = max(render.resolution_x, render.resolution_y)
+    small = max(1, 100 * _SMALL // longest)
+    render.resolution_percentage = min(render.resolution_percentage, small)
 
 
 def _choose_format(scene: Any, job: RenderJob) -> None:

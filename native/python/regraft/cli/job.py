@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 SHADINGS = ("clay", "occlusion", "direct", "reflection", "cost")
-# Those that need no key frames of the shot.
+# Those that need no key frames of the shot, unlike "shot".
 POLICIES = ("auto", "refit", "rebuild", "selective", "selective+rotate", "lm", "rtdeform")
 STRUCTURES = ("auto", "bvh", "kdtree")
 LAYOUTS = ("two-level", "flat")

@@ -60,6 +60,8 @@ def _call(worker: Any, request: dict[str, Any]) -> Any:
         return worker.record_frame(request["frame"])
     if request["call"] == "end_recording":
         return worker.end_recording(request["is_complete"])
+    if request["call"] == "plan":
+        return worker.plan(Path(request["folder"]))
     return worker.render(request["frame"], Path(request["path"]))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -63,21 +63,27 @@ def _record(wanted: Recording, folder: Path, console: Console, interrupt: Interr
             frames = frames[:1]
         if not frames:
             raise InputError(f"{wanted.source} has none of the frames asked for")
-        _record_frames(backend, frames, folder, interrupt)
+        record_frames(backend, frames, folder, interrupt)
     finally:
         backend.close()
     return Shot(folder)
 
 
-def _record_frames(
-    backend: RecordingBackend, frames: Sequence[int], folder: Path, interrupt: Interrupt
+def record_frames(
+    backend: RecordingBackend,
+    frames: Sequence[int],
+    folder: Path,
+    interrupt: Interrupt,
+    tick: Callable[[int], None] = lambda _frame: None,
 ) -> None:
+    """Records the frames of the file that `backend` has open; `tick` is called after each."""
     backend.begin_recording(folder)
     is_complete = False
     try:
         for frame in frames:
             interrupt.check()
             backend.record_frame(frame)
+            tick(frame)
         is_complete = True
     finally:
         backend.end_recording(is_complete)

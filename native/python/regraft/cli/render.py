@@ -85,9 +85,10 @@ def _add_picture_options(group: argparse._ArgumentGroup) -> None:
 def _add_work_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--policy",
-        choices=jobs.POLICIES,
+        choices=(*jobs.POLICIES, "shot"),
         default="auto",
-        help="how trees follow motion (default: %(default)s)",
+        help="how trees follow motion; shot builds them once for up to eight key frames of the "
+        "frames to render, which are evaluated first (default: %(default)s)",
     )
     group.add_argument(
         "--structure",

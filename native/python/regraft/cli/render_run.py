@@ -10,7 +10,7 @@ from typing import Any
 
 import regraft
 from regraft.cli import summary
-from regraft.cli.backend import Backend, choose_backend
+from regraft.cli.backend import RecordingBackend, choose_backend
 from regraft.cli.console import Console, Progress
 from regraft.cli.errors import (
     EXIT_OK,
@@ -22,6 +22,7 @@ from regraft.cli.errors import (
 from regraft.cli.interrupt import Interrupt
 from regraft.cli.job import RenderJob, SceneInfo, fingerprint
 from regraft.cli.ledger import Ledger, ResumePlan
+from regraft.cli.shot_plan import planned
 from regraft.formats import atomic, images, jsonl, movie
 
 Row = dict[str, Any]
@@ -54,7 +55,7 @@ class RenderRun:
     console: Console
     verbose: bool = False
     explain: bool = False
-    choose: Callable[[bool], Backend] = choose_backend
+    choose: Callable[[bool], RecordingBackend] = choose_backend
 
     def run(self) -> int:
         """Raises CommandError with the exit code that fits."""
@@ -66,14 +67,16 @@ class RenderRun:
             finally:
                 backend.close()
 
-    def _render_file(self, backend: Backend, interrupt: Interrupt) -> int:
+    def _render_file(self, backend: RecordingBackend, interrupt: Interrupt) -> int:
         info = backend.open(self.job)
         for note in info.notes:
             self.console.note(note)
         targets = {f: self.outputs.frame_path(f) for f in self.frames or info.frames}
         ledger = Ledger(self.outputs.folder, fingerprint(self.job, info, regraft.__version__))
         plan = self._plan(ledger, targets)
-        rows = self._render_frames(backend, interrupt, plan, Recorder(self.outputs, info, ledger))
+        with planned(self.job, backend, plan.todo, self.console, interrupt):
+            recorder = Recorder(self.outputs, info, ledger)
+            rows = self._render_frames(backend, interrupt, plan, recorder)
         for warning in summary.warnings(rows):
             self.console.warn(warning)
         if interrupt.asked:
@@ -95,7 +98,7 @@ class RenderRun:
         return plan
 
     def _render_frames(
-        self, backend: Backend, interrupt: Interrupt, plan: ResumePlan, recorder: Recorder
+        self, backend: RecordingBackend, interrupt: Interrupt, plan: ResumePlan, recorder: Recorder
     ) -> list[Row]:
         rows: list[Row] = []
         with self.console.progress(len(plan.todo), "render") as progress:
@@ -107,7 +110,7 @@ class RenderRun:
         return rows
 
     def _render_frame(
-        self, backend: Backend, interrupt: Interrupt, frame: int, recorder: Recorder
+        self, backend: RecordingBackend, interrupt: Interrupt, frame: int, recorder: Recorder
     ) -> Row:
         target = self.outputs.frame_path(frame)
         temporary = interrupt.temporary = atomic.temporary_path(target).absolute()

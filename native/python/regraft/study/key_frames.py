@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,16 +13,40 @@ from regraft.study.shot import Shot
 
 # As many as the library looks at.
 MOST = 8
+# Why there is no planning for a mesh.
+CHANGES = (
+    'gets other triangles during the shot: policy "shot" builds every tree once, for all of it, '
+    "and cannot plan for that; use another policy"
+)
 Array = npt.NDArray[Any]
 
 
-def give(shot: Shot, scene: Scene, position: int, count: int = MOST) -> None:
+def spread(frames: Sequence[int], count: int = MOST) -> list[int]:
+    """`count` of the frames, evenly, the first and the last among them."""
+    chosen = np.linspace(0, len(frames) - 1, min(count, len(frames)))
+    return [frames[round(i)] for i in chosen]
+
+
+def remade(shot: Shot) -> str | None:
+    """The name of a mesh whose triangles change during the shot, if there is one."""
+    names: list[str] = []
+    for position in range(len(shot)):
+        for call, args, kwargs in shot.edits(position):
+            if call == "add_mesh":
+                names.append(kwargs.get("name") or f"mesh {len(names)}")
+            elif call == "set_mesh":
+                return names[args[0]]
+    return None
+
+
+def give(shot: Shot, scene: Scene, position: int, count: int = MOST) -> tuple[set[int], set[int]]:
     """Tells `scene`, brought to the frame at `position` and not updated yet, where what has just
     been added to it will be in `count` frames spread evenly over the shot. A mesh whose triangles
-    change has none."""
+    change has none, nor has what stays where it is. Returns the meshes and the instances that now
+    have some."""
     if not any(name.startswith("add_") for name, _, _ in shot.edits(position)):
-        return
-    wanted = {round(i) for i in np.linspace(0, len(shot) - 1, min(count, len(shot)))}
+        return set(), set()
+    wanted = set(spread(range(len(shot)), count))
     places = _Places()
     vertices: dict[int, list[Array]] = {}
     transforms: dict[int, list[Array]] = {}
@@ -34,12 +59,13 @@ def give(shot: Shot, scene: Scene, position: int, count: int = MOST) -> None:
                 for number, array in here.items():
                     keys.setdefault(number, []).append(array)
     (first_mesh, first_instance), (end_mesh, end_instance) = known[position : position + 2]
-    for mesh in places.moved_meshes - places.remade_meshes:
-        if first_mesh <= mesh < end_mesh:
-            scene.set_key_vertices(mesh, np.stack(vertices[mesh][:count]))
-    for instance in places.moved_instances:
-        if first_instance <= instance < end_instance:
-            scene.set_key_transforms(instance, np.stack(transforms[instance][:count]))
+    meshes = (places.moved_meshes - places.remade_meshes) & set(range(first_mesh, end_mesh))
+    for mesh in meshes:
+        scene.set_key_vertices(mesh, np.stack(vertices[mesh][:count]))
+    instances = places.moved_instances & set(range(first_instance, end_instance))
+    for instance in instances:
+        scene.set_key_transforms(instance, np.stack(transforms[instance][:count]))
+    return meshes, instances
 
 
 class _Places:
