@@ -83,7 +83,7 @@ std::size_t lost_by_embree(RTCScene scene, const trace::RayPacket& rays) {
   for (int i = 0; i < 64; ++i)
     set.add({rays.origin[0][i], rays.origin[1][i], rays.origin[2][i]},
             {rays.direction[0][i], rays.direction[1][i], rays.direction[2][i]}, rays.t_far[i]);
-  return 64 - bench::embree_single(scene, set, 0, 64);
+  return 64 - bench::embree_single(scene, set, set.coherent, 0, 64);
 }
 #endif
 

@@ -34,16 +34,23 @@ struct RaySet {
 
 inline constexpr float no_limit = std::numeric_limits<float>::infinity();
 
-inline RaySet primary_rays(int size) {
+/// Rays from one place through the pixels of a square picture; `direction(x, y)` of a point on it
+/// in pixels.
+template <typename Direction>
+RaySet tiled_rays(int size, const Vec3d& from, const Direction& direction) {
   RaySet set{"primary", false, true, {}, {}, {}};
   for (int tile = 0; tile < size / 8 * (size / 8); ++tile)
     for (int i = 0; i < 64; ++i) {
       const int block = i / 8;
       const int x = tile % (size / 8) * 8 + block % 2 * 4 + i % 4;
       const int y = tile / (size / 8) * 8 + block / 2 * 2 + i % 8 / 4;
-      set.add(eye(), pixel_direction(x, y, size), no_limit);
+      set.add(from, direction(x + 0.5, y + 0.5), no_limit);
     }
   return set;
+}
+
+inline RaySet primary_rays(int size) {
+  return tiled_rays(size, eye(), [&](double x, double y) { return pixel_direction(x, y, size); });
 }
 
 /// Rays [64 p, 64 p + 64) as the tracer takes them.

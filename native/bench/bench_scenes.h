@@ -106,12 +106,12 @@ inline Triangles make(std::int64_t kind, std::int64_t count, float time) {
   return kind == 0 ? sheet(std::size_t(count), time) : chunks(std::size_t(count), time);
 }
 
-/// Direction from the eye at (0, −3, 1.5) through a pixel of a square image of `size`.
+/// Direction from the eye at (0, −3, 1.5) through a point, in pixels, of a square image of `size`.
 inline Vec3d eye() {
   return {0.0, -3.0, 1.5};
 }
-inline Vec3d pixel_direction(int x, int y, int size) {
-  const double u = (x + 0.5) / size - 0.5, v = (y + 0.5) / size - 0.5;
+inline Vec3d pixel_direction(double x, double y, int size) {
+  const double u = x / size - 0.5, v = y / size - 0.5;
   return {u * 0.8, 0.894 - 0.447 * v * 0.8, -0.447 - 0.894 * -v * 0.8};
 }
 

@@ -94,13 +94,15 @@ void add_embree(const Triangles& mesh, unsigned threads, std::vector<Contender>&
       const std::string name = std::string(robust ? "embree robust" : "embree fast") +
                                (dynamic ? " dynamic" : " static");
       contenders.push_back({name + " 8", [peer](const RaySet& set, std::size_t b, std::size_t e) {
-                              return bench::embree_packets<8>(peer->scene(), set, b, e);
+                              return bench::embree_packets<8>(peer->scene(), set, set.coherent, b,
+                                                              e);
                             }});
       contenders.push_back({name + " 16", [peer](const RaySet& set, std::size_t b, std::size_t e) {
-                              return bench::embree_packets<16>(peer->scene(), set, b, e);
+                              return bench::embree_packets<16>(peer->scene(), set, set.coherent, b,
+                                                               e);
                             }});
       contenders.push_back({name + " 1", [peer](const RaySet& set, std::size_t b, std::size_t e) {
-                              return bench::embree_single(peer->scene(), set, b, e);
+                              return bench::embree_single(peer->scene(), set, set.coherent, b, e);
                             }});
     }
 }

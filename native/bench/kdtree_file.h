@@ -2,34 +2,10 @@
 
 // A scene that `regraft bench kdtree FILE` has written down for the measuring program.
 
-#include <fstream>
-#include <stdexcept>
-#include <string>
-
+#include "binary_file.h"
 #include "kdtree_scenes.h"
 
 namespace regraft::bench {
-
-/// Reads numbers as they lie in memory, one after the other.
-class SceneFile {
- public:
-  explicit SceneFile(const char* path) : in_(path, std::ios::binary) {}
-
-  template <class T>
-  T one() {
-    return many<T>(1).front();
-  }
-  template <class T>
-  std::vector<T> many(std::size_t count) {
-    std::vector<T> values(count);
-    in_.read(reinterpret_cast<char*>(values.data()), std::streamsize(count * sizeof(T)));
-    if (!in_) throw std::runtime_error("the scene file is cut short or cannot be read");
-    return values;
-  }
-
- private:
-  std::ifstream in_;
-};
 
 /// Groups (parents), meshes (counts, positions, corners), instances (mesh, group, matrix by
 /// columns), the camera's place and what it looks at; as `bench_kdtree_file.py` writes them.
@@ -37,7 +13,7 @@ class SceneFile {
 inline KdtreeScene read_scene(const char* name, const char* path) {
   KdtreeScene made;
   made.name = name;
-  SceneFile file(path);
+  BinaryFile file(path);
   for (const std::uint32_t parent : file.many<std::uint32_t>(file.one<std::uint32_t>()))
     made.scene.add_group(parent, "group");
   const auto meshes = file.one<std::uint32_t>();

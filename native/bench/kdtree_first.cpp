@@ -95,7 +95,7 @@ void embree(const char* name, RTCBuildQuality quality, const Flattened& flat,
   const double start = now();
   const bench::EmbreeScene peer(std::move(copy), {.quality = quality});
   const double built = now();
-  const std::size_t hits = bench::embree_packets<8>(peer.scene(), set, 0, set.size());
+  const std::size_t hits = bench::embree_packets<8>(peer.scene(), set, set.coherent, 0, set.size());
   print(name, view, flat.all.triangles.size(), built - start, now() - built, hits);
 }
 #endif

@@ -6,6 +6,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <span>
 #include <string>
 
 #include "bench_rays.h"
@@ -21,27 +22,50 @@ struct EmbreeOptions {
   unsigned threads = 1;
 };
 
+/// A geometry that reads these arrays from now on. Embree reads 16 bytes of every vertex, so one
+/// more has to follow the last.
+inline RTCGeometry embree_triangles(RTCDevice device, RTCBuildQuality quality,
+                                    std::span<const Vec3> vertices,
+                                    std::span<const Triangle> triangles) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetGeometryBuildQuality(geometry, quality);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                             vertices.data(), 0, sizeof(Vec3), vertices.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(),
+                             0, sizeof(Triangle), triangles.size());
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+/// Told that the vertices of a geometry have moved.
+inline void embree_moved(RTCGeometry geometry) {
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(geometry);
+}
+
+/// An empty scene as the options say.
+inline RTCScene embree_scene(RTCDevice device, const EmbreeOptions& options) {
+  RTCScene scene = rtcNewScene(device);
+  int flags = RTC_SCENE_FLAG_NONE;
+  if (options.robust) flags |= RTC_SCENE_FLAG_ROBUST;
+  if (options.dynamic) flags |= RTC_SCENE_FLAG_DYNAMIC;
+  rtcSetSceneFlags(scene, RTCSceneFlags(flags));
+  // Only a scene of low quality keeps a tree a geometry, built or refitted as that one asks.
+  rtcSetSceneBuildQuality(scene, options.dynamic ? RTC_BUILD_QUALITY_LOW : options.quality);
+  return scene;
+}
+
 /// An Embree scene over one mesh, with its own copy of the vertices.
 class EmbreeScene {
  public:
   EmbreeScene(Triangles mesh, const EmbreeOptions& options)
       : mesh_(std::move(mesh)),
         device_(rtcNewDevice(("threads=" + std::to_string(options.threads)).c_str())),
-        scene_(rtcNewScene(device_)),
-        geometry_(rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE)) {
-    int flags = RTC_SCENE_FLAG_NONE;
-    if (options.robust) flags |= RTC_SCENE_FLAG_ROBUST;
-    if (options.dynamic) flags |= RTC_SCENE_FLAG_DYNAMIC;
-    rtcSetSceneFlags(scene_, RTCSceneFlags(flags));
-    // Only a scene of low quality keeps a tree a geometry, built or refitted as that one asks.
-    rtcSetSceneBuildQuality(scene_, options.dynamic ? RTC_BUILD_QUALITY_LOW : options.quality);
-    rtcSetGeometryBuildQuality(geometry_, options.quality);
-    mesh_.vertices.emplace_back(0.0f);  // Embree reads 16 bytes of the last vertex.
-    rtcSetSharedGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                               mesh_.vertices.data(), 0, sizeof(Vec3), mesh_.vertices.size() - 1);
-    rtcSetSharedGeometryBuffer(geometry_, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                               mesh_.triangles.data(), 0, sizeof(Triangle), mesh_.triangles.size());
-    rtcCommitGeometry(geometry_);
+        scene_(embree_scene(device_, options)) {
+    mesh_.vertices.emplace_back(0.0f);
+    geometry_ = embree_triangles(device_, options.quality,
+                                 std::span(mesh_.vertices).first(mesh_.vertices.size() - 1),
+                                 mesh_.triangles);
     rtcAttachGeometry(scene_, geometry_);
     rtcCommitScene(scene_);
   }
@@ -55,8 +79,7 @@ class EmbreeScene {
 
   /// Vertices moved: refits or rebuilds, as the options' quality says.
   void update() {
-    rtcUpdateGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0);
-    rtcCommitGeometry(geometry_);
+    embree_moved(geometry_);
     rtcCommitScene(scene_);
   }
   std::vector<Vec3>& vertices() { return mesh_.vertices; }
@@ -94,10 +117,12 @@ inline RTCIntersectContext embree_context(bool coherent) {
   return context;
 }
 
-/// Rays [begin, end) of the set, N at once; @return how many hit.
+/// Rays [begin, end) of the set, N at once; @return how many hit. `coherent`: whether Embree is
+/// told that neighbours go the same way.
 template <int N>
-std::size_t embree_packets(RTCScene scene, const RaySet& set, std::size_t begin, std::size_t end) {
-  RTCIntersectContext context = embree_context(set.coherent);
+std::size_t embree_packets(RTCScene scene, const RaySet& set, bool coherent, std::size_t begin,
+                           std::size_t end) {
+  RTCIntersectContext context = embree_context(coherent);
   alignas(64) int valid[N];
   std::fill_n(valid, N, -1);
   std::size_t hits = 0;
@@ -128,9 +153,9 @@ std::size_t embree_packets(RTCScene scene, const RaySet& set, std::size_t begin,
 }
 
 /// The same one ray at a time.
-inline std::size_t embree_single(RTCScene scene, const RaySet& set, std::size_t begin,
-                                 std::size_t end) {
-  RTCIntersectContext context = embree_context(set.coherent);
+inline std::size_t embree_single(RTCScene scene, const RaySet& set, bool coherent,
+                                 std::size_t begin, std::size_t end) {
+  RTCIntersectContext context = embree_context(coherent);
   std::size_t hits = 0;
   for (std::size_t i = begin; i < end; ++i) {
     RTCRayHit ray;

@@ -5,20 +5,19 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import subprocess
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from regraft.cli import bench_kdtree_file, options
+from regraft.cli import bench_kdtree_file, native_program, options
 from regraft.cli.console import Console
-from regraft.cli.errors import EXIT_OK, InputError, SelfCheckError
+from regraft.cli.errors import EXIT_OK, InputError
 from regraft.cli.interrupt import Interrupt
 from regraft.cli.machine import machine, machine_line, save_result
 from regraft.cli.recording import Recording, recorded
 
-PROGRAM = Path("build/bench/native/bench/regraft_bench_kdtree")
+PROGRAM = native_program.FOLDER / "regraft_bench_kdtree"
 # The configurations are no option of the NumPy API: a native program measures them.
 BEST = "lazy+scan+hierarchy"
 # Kind of row: what grows, the column it is plotted against, what it says.
@@ -98,14 +97,7 @@ def _measure_files(args: argparse.Namespace, console: Console) -> Iterator[Row]:
 
 def measure(program: Path, *arguments: str) -> Iterator[Row]:
     """What the native program prints, a row a measurement. Raises InputError, SelfCheckError."""
-    if not program.is_file():
-        raise InputError(f"cannot run {program}: no such file; `make bench` builds it")
-    done = subprocess.run(
-        [str(program.resolve()), *arguments], capture_output=True, text=True, check=False
-    )
-    if done.returncode:
-        raise SelfCheckError(f"{program} failed with {done.returncode}: {done.stderr.strip()}")
-    for line in done.stdout.splitlines():
+    for line in native_program.lines(program, *arguments):
         yield json.loads(line)
 
 

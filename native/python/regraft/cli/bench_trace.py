@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from regraft.cli import options
+from regraft.cli import native_program, options
 from regraft.cli.console import Console
-from regraft.cli.errors import EXIT_OK, InputError, SelfCheckError
+from regraft.cli.errors import EXIT_OK
 from regraft.cli.machine import machine, machine_line, save_result
 
-PROGRAM = Path("build/bench/native/bench/regraft_bench_trace")
+PROGRAM = native_program.FOLDER / "regraft_bench_trace"
 SCENES = ("sheet 250k", "sheet 1M", "balls 250k", "balls 1M", "chunks 250k", "chunks 1M")
 # Each column takes the fastest of the contenders whose names begin so.
 COLUMNS = {
@@ -91,16 +90,13 @@ def measure(program: Path, settings: dict[str, Any]) -> list[Row]:
 
     Raises InputError, SelfCheckError.
     """
-    if not program.is_file():
-        raise InputError(f"cannot run {program}: no such file; `make bench` builds it")
     with tempfile.TemporaryDirectory() as folder:
         written = Path(folder) / "rays.json"
-        command = [str(program.resolve()), "--json", str(written)]
+        arguments = ["--json", str(written)]
         for name, value in settings.items():
-            command += [f"--{name}", str(value)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise SelfCheckError(f"{program} failed with {done.returncode}: {done.stderr.strip()}")
+            arguments += [f"--{name}", str(value)]
+        for _ in native_program.lines(program, *arguments):
+            pass
         rows: list[Row] = json.loads(written.read_text())["lines"]
     return rows
 

@@ -8,13 +8,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from regraft.cli import job, options
+from regraft.cli import bench_peers, job, options
 from regraft.cli.console import Console
+from regraft.cli.doctor import usable_cores
 from regraft.cli.errors import EXIT_OK, InputError
 from regraft.cli.interrupt import Interrupt
 from regraft.cli.machine import machine, machine_line, save_result
 from regraft.cli.recording import Recording, recorded
-from regraft.study import aging, aging_table, local_motion, size_scaling
+from regraft.study import aging, aging_table, local_motion, one_mesh, size_scaling
 from regraft.study.shot import Shot
 
 POLICIES, LAYOUTS = (*job.POLICIES, "shot"), job.LAYOUTS
@@ -22,6 +23,8 @@ FILES = tuple(
     Path("blend_files", f"{name}.blend")
     for name in ("explosion", "n_body", "cloth", "robots", "mixed")
 )
+# What is measured as one mesh too.
+MIXED = FILES[-1]
 # Triangles of the made scene, how many of them move, frames.
 LOCAL_MOTION = (1_000_000, 16_000, 40)
 
@@ -34,8 +37,9 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         description="Replay shots on scenes that differ in policy and layout only, taking turns "
         "frame by frame; print seconds of updating and tracing, the trees' cost beside fresh "
         "ones, and what was mended. Without FILE: explosion, n_body, cloth, robots, mixed from "
-        "blend_files/ and a landscape of 1,000,000 triangles of which 16,000 move; then what "
-        "mending costs in landscapes of growing size.",
+        "blend_files/, the last also as one mesh, and a landscape of 1,000,000 triangles of which "
+        "16,000 move; then what mending costs in landscapes of growing size. With --peers a "
+        "program from `make bench` plays the shots to Embree as well, in each of its ways.",
     )
     parser.set_defaults(run=run)
     parser.add_argument(
@@ -77,6 +81,7 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         metavar="N",
         help="(default: all cores)",
     )
+    _add_peers(parser)
     parser.add_argument(
         "--output",
         type=options.file_with_suffix(".json"),
@@ -87,20 +92,47 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     parser.add_argument("--verbose", action="store_true", help="let Blender's own output through")
 
 
+def _add_peers(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--peers", action="store_true", help="beside Embree, without policy `shot` and --sizes"
+    )
+    parser.add_argument(
+        "--repeats",
+        type=options.whole_number(1, 1000),
+        default=3,
+        metavar="N",
+        help="with --peers: replays, of which medians are taken (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--program",
+        type=Path,
+        default=bench_peers.PROGRAM,
+        metavar="FILE",
+        help="with --peers (default: %(default)s)",
+    )
+
+
 def run(args: argparse.Namespace, console: Console) -> int:
     """Runs `regraft bench update`; raises CommandError. Returns the exit code."""
     for path in args.files:
         if not path.is_file():
             raise InputError(f"cannot read {path}: no such file")
-    result: dict[str, Any] = {"benchmark": "update", "size": args.size, **machine(), "shots": {}}
+    args.threads = args.threads or usable_cores()
+    settings = {"size": args.size, "threads": args.threads}
+    result: dict[str, Any] = {"benchmark": "update", **settings, **machine(), "shots": {}}
     console.say(machine_line(result))
+    measure = bench_peers.measure if args.peers else _measure
     with Interrupt(console).watching() as interrupt:
         for name, shot in _shots(args, console, interrupt):
-            result["shots"][name] = _measure(name, shot, args, console, interrupt)
+            result["shots"][name] = measure(name, shot, args, console, interrupt)
             save_result(args.output, result)
-        if sizes := args.sizes or (() if args.files else size_scaling.SIZES):
+        sizes = args.sizes or (() if args.files else size_scaling.SIZES)
+        if sizes and not args.peers:
             result["sizes"] = _sizes(sizes, args, console, interrupt)
             save_result(args.output, result)
+    if args.peers:
+        for line in bench_peers.summary(result["shots"]):
+            console.say(line)
     console.say(f"JSON: {args.output}")
     return EXIT_OK
 
@@ -149,6 +181,9 @@ def _shots(
         wanted = Recording(source, args.frames, verbose=args.verbose)
         with recorded(wanted, console, interrupt) as shot:
             yield source.stem, shot
+            if source == MIXED:
+                with tempfile.TemporaryDirectory() as folder:
+                    yield f"{source.stem}, one mesh", one_mesh.flatten(shot, Path(folder))
     if not args.files:
         with tempfile.TemporaryDirectory() as folder:
             yield "local motion", local_motion.make(Path(folder), *LOCAL_MOTION)
