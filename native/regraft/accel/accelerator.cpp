@@ -292,6 +292,10 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   count_kdtree(s);
   state.list_left_out(scene, changes, todo.size(), hidden, s);
   if (options.policy == Policy::automatic && !kdtree) s.left_out.push_back(reason(work));
+  if (work.edited != 0)
+    s.left_out.push_back(std::to_string(work.edited) +
+                         (options.layout == Layout::flat ? " triangles" : " instances") +
+                         " came or went: put into or taken out of their tree, not built anew");
   if (!choice.reason.empty()) s.left_out.push_back(choice.reason);
   if (forgotten != 0)
     s.left_out.push_back("only cells that met what moved were forgotten: " +

@@ -28,6 +28,8 @@ class Blas {
   void bound(const Mesh& mesh, Executor& executor);
 
   bool exists() const { return exists_; }
+  /// Whether the last update found other triangles that can be hit than the one before.
+  bool is_remade() const { return !refitted_; }
   const KeptTree& tree() const { return tree_; }
   const bvh::Bvh& bvh() const { return tree_.bvh(); }
   /// Triangles that rays can meet.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/matrix.hpp>
+#include <numeric>
 
 namespace regraft::accel {
 
@@ -89,7 +90,9 @@ void InstanceSet::note_bounds(const Aabb& top) {
   wandered_ = top.magnitude() > 16.0 * size;
 }
 
-bool InstanceSet::collect(const Scene& scene, std::span<const Blas> blases) {
+/// @return whether other instances can be met than before; `new_places`: see `Changes`.
+bool InstanceSet::collect(const Scene& scene, std::span<const Blas> blases,
+                          std::vector<std::uint32_t>& new_places) {
   std::vector<std::uint32_t> ids;
   warnings_.clear();
   for (std::uint32_t i = 0; i < scene.instances().size(); ++i) {
@@ -101,6 +104,12 @@ bool InstanceSet::collect(const Scene& scene, std::span<const Blas> blases) {
       warnings_.push_back(label(scene, i) + ": " + problem + "; left out");
   }
   if (ids == ids_) return false;
+  new_places.clear();
+  for (const std::uint32_t id : ids_) {
+    const auto place = std::lower_bound(ids.begin(), ids.end(), id);
+    const bool is_there = place != ids.end() && *place == id;
+    new_places.push_back(is_there ? std::uint32_t(place - ids.begin()) : invalid_id);
+  }
   ids_ = std::move(ids);
   views_.assign(ids_.size(), {});
   frames_.assign(ids_.size(), Mat4d(1.0));
@@ -195,6 +204,24 @@ void InstanceSet::bake(const Scene& scene, std::size_t i, bool topology_changed,
   work.add(slot->blas.update(slot->mesh, topology_changed, layout, how, executor));
 }
 
+/// The flat layout's tree holds triangles: those of a mesh that has others now are gone.
+void InstanceSet::tell_remade(const Scene& scene, std::span<const std::uint8_t> changed_meshes,
+                              Changes& result) const {
+  const auto is_remade = [&](std::uint32_t place) {
+    return changed_meshes[scene.instances()[ids_[place]].mesh] != 0 && trees_[place]->is_remade();
+  };
+  if (!baked_.empty()) {
+    result.new_places.clear();
+    return;
+  }
+  if (!result.set_changed) {
+    result.new_places.resize(ids_.size());
+    std::iota(result.new_places.begin(), result.new_places.end(), 0u);
+  }
+  for (std::uint32_t& place : result.new_places)
+    if (place != invalid_id && is_remade(place)) place = invalid_id;
+}
+
 InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Blas> blases,
                                          const ChangeSet& changes,
                                          std::span<const std::uint8_t> changed_meshes,
@@ -206,9 +233,12 @@ InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Bla
     if (instance.alive && changed_meshes[instance.mesh] != 0) affected[id] = by_mesh;
   }
   for (const std::uint32_t id : changes.moved_instances) affected[id] = by_matrix;
-  if (has_changed(scene, blases, changes, affected)) result.set_changed = collect(scene, blases);
-  if ((result.set_changed || wandered_) && choose_origin(scene, blases, executor))
+  if (has_changed(scene, blases, changes, affected))
+    result.set_changed = collect(scene, blases, result.new_places);
+  if ((result.set_changed || wandered_) && choose_origin(scene, blases, executor)) {
     result.set_changed = true;
+    result.new_places.clear();
+  }
   const auto unbaked = std::erase_if(baked_, [&](const auto& item) {
     return !std::binary_search(ids_.begin(), ids_.end(), item.first) ||
            classify(scene.instances()[item.first].object_to_world) != Placement::bake;
@@ -232,6 +262,7 @@ InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Bla
         baked == baked_.end() ? &blases[scene.instances()[ids_[i]].mesh] : &baked->second->blas;
   }
   blases_ = blases.data();
+  if (layout == Layout::flat) tell_remade(scene, changed_meshes, result);
   result.as_a_whole.resize(stale.size());
   executor.parallel_for(stale.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)

@@ -27,6 +27,9 @@ class InstanceSet {
     /// For each of those: whether all of it may have moved in the world, and not only those
     /// triangles that moved in its mesh.
     std::vector<std::uint8_t> as_a_whole;
+    /// Where each of the instances before is now, `invalid_id` for those that are gone, or whose
+    /// triangles the flat layout's tree holds and are others now. Empty if nothing can be said.
+    std::vector<std::uint32_t> new_places;
     /// Work on trees of baked instances; `done` is the most that was done to any of them.
     TreeWork baked;
   };
@@ -61,7 +64,10 @@ class InstanceSet {
 
   bool has_changed(const Scene& scene, std::span<const Blas> blases, const ChangeSet& changes,
                    std::span<const std::uint8_t> affected) const;
-  bool collect(const Scene& scene, std::span<const Blas> blases);
+  bool collect(const Scene& scene, std::span<const Blas> blases,
+               std::vector<std::uint32_t>& new_places);
+  void tell_remade(const Scene& scene, std::span<const std::uint8_t> changed_meshes,
+                   Changes& result) const;
   bool choose_origin(const Scene& scene, std::span<const Blas> blases, Executor& executor);
   bool place(const Scene& scene, std::size_t i);
   void bake(const Scene& scene, std::size_t i, bool topology_changed, Layout layout,

@@ -45,6 +45,7 @@ void TreeWork::add(const TreeWork& other) {
   nodes_refitted += other.nodes_refitted;
   nodes_rebuilt += other.nodes_rebuilt;
   pairs_considered += other.pairs_considered;
+  edited += other.edited;
   operations.insert(operations.end(), other.operations.begin(), other.operations.end());
   select_ms += other.select_ms;
 }
@@ -87,6 +88,7 @@ void KeptTree::build(const Primitives& prims, const Tending& how, Executor& exec
   now_ = built_ = bvh::assess(
       tree_.bvh, [&](std::uint32_t i) { return bvh::Box4(prims.boxes[i]); }, executor, tree_.model);
   since_build_ = 0;
+  edited_ = 0;
   wide_ = bvh::WideBvh::derive(tree_.bvh, how.width, executor);
   marks_.reset(wide_);
   local_ = {};

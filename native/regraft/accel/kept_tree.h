@@ -11,6 +11,7 @@
 #include "regraft/accel/ray_ledger.h"
 #include "regraft/accel/ray_marks.h"
 #include "regraft/accel/update_policy.h"
+#include "regraft/bvh/edit.h"
 #include "regraft/bvh/local_refit.h"
 #include "regraft/bvh/selective_restructure.h"
 #include "regraft/bvh/wide_bvh.h"
@@ -24,6 +25,7 @@ struct TreeWork {
   std::uint64_t nodes_refitted = 0;
   std::uint64_t nodes_rebuilt = 0;
   std::uint64_t pairs_considered = 0;
+  std::uint64_t edited = 0;  ///< primitives put in or taken out without building a tree anew
   /// Tried pairs: expected tests of a frame that were to be saved, and that were.
   std::vector<bvh::Restructured> operations;
   double select_ms = 0.0;
@@ -68,6 +70,13 @@ class KeptTree {
   /// which is left to the caller. `work` receives what was done.
   void mend(const bvh::PrimBoxes& boxes, const bvh::BinnedSahBuilder::Config& builder,
             const Tending& how, Executor& executor, TreeWork& work);
+
+  /// Takes primitives out of the tree and puts others in, `count` in all, unless that makes more
+  /// than three tenths since the last build or the policy builds whole trees; those that stay may
+  /// have moved. @return false if the tree is to be built anew instead.
+  bool edit(const bvh::PrimitiveEdit& change, std::size_t count, const bvh::PrimBoxes& boxes,
+            const bvh::BinnedSahBuilder::Config& builder, const Tending& how, Executor& executor,
+            TreeWork& work);
 
   /// Expected tests of a ray that enters each primitive, where it is not that of a triangle.
   void set_prim_costs(std::vector<double> costs) { tree_.prim_costs = std::move(costs); }
@@ -151,6 +160,7 @@ class KeptTree {
   Look look_;                      ///< of this update
   double looseness_seen_ = 0.0;    ///< when the tree was last measured
   std::uint32_t since_build_ = 0;  ///< updates
+  std::size_t edited_ = 0;         ///< primitives that came or went since the build
   bool exists_ = false;
 };
 

@@ -32,14 +32,15 @@ bvh::BinnedSahBuilder::Config Tlas::builder() const {
 void Tlas::collect_primitives(const Scene& scene, const InstanceSet& instances,
                               Executor& executor) {
   const auto views = instances.views();
+  const bool is_flat = layout_ == Layout::flat;
   flat_.clear();
-  begin_.clear();
-  for (std::uint32_t i = 0; i < views.size() && layout_ == Layout::flat; ++i) {
-    begin_.push_back(std::uint32_t(flat_.size()));
-    for (const std::uint32_t prim : instances.tree(i).prims()) flat_.push_back({i, prim});
+  begin_.assign(1, 0);
+  for (std::uint32_t i = 0; i < views.size(); ++i) {
+    if (is_flat)
+      for (const std::uint32_t prim : instances.tree(i).prims()) flat_.push_back({i, prim});
+    begin_.push_back(is_flat ? std::uint32_t(flat_.size()) : i + 1);
   }
-  begin_.push_back(std::uint32_t(flat_.size()));
-  boxes_.resize(layout_ == Layout::flat ? flat_.size() : views.size());
+  boxes_.resize(begin_.back());
   for (std::size_t i = 0; i < views.size(); ++i) measure(scene, instances, i, executor);
 }
 
@@ -58,9 +59,8 @@ Aabb Tlas::box_of(const Scene& scene, const InstanceSet& instances, std::uint32_
 /// All primitives of an instance.
 void Tlas::measure(const Scene& scene, const InstanceSet& instances, std::size_t instance,
                    Executor& executor) {
-  const bool is_flat = layout_ == Layout::flat;
-  const auto first = is_flat ? begin_[instance] : std::uint32_t(instance);
-  const std::uint32_t count = is_flat ? begin_[instance + 1] - first : 1;
+  const std::uint32_t first = begin_[instance];
+  const std::uint32_t count = begin_[instance + 1] - first;
   executor.parallel_for(count, 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto prim = std::uint32_t(first + i);
@@ -118,11 +118,13 @@ TreeWork Tlas::update(const Scene& scene, const InstanceSet& instances,
                       const InstanceSet::Changes& placed, Layout layout, const Tending& how,
                       Executor& executor) {
   const bool other_prims = placed.set_changed || layout != layout_;
+  const bool may_edit = layout == layout_ && !placed.new_places.empty();
   layout_ = layout;
   TreeWork work;
   work.done = tree_.choose(other_prims, !placed.moved.empty(), how);
   if (work.done == TreeUpdate::none) return work;
   weigh(instances);
+  if (other_prims && may_edit && edit(scene, instances, placed, how, executor, work)) return work;
   const auto box = [&](std::uint32_t i) { return bvh::Box4(boxes_[i]); };
   Motion motion;
   if (!other_prims && tree_.exists()) motion = measure_moved(scene, instances, placed, executor);

@@ -47,6 +47,8 @@ class Tlas {
   bool list_moved(const InstanceSet& instances, std::size_t instance, bool as_a_whole);
   void collect_primitives(const Scene& scene, const InstanceSet& instances, Executor& executor);
   void list_boxed();
+  bool edit(const Scene& scene, const InstanceSet& instances, const InstanceSet::Changes& placed,
+            const Tending& how, Executor& executor, TreeWork& work);
   void weigh(const InstanceSet& instances);
   double cost_through(const InstanceSet& instances,
                       const std::function<double(const Blas&)>& cost) const;
@@ -55,7 +57,7 @@ class Tlas {
   KeptTree tree_;
   std::vector<Aabb> boxes_;
   std::vector<trace::FlatPrim> flat_;
-  /// Flat: where each instance's primitives begin, and the end of the last.
+  /// Where each instance's primitives begin, and the end of the last.
   std::vector<std::uint32_t> begin_;
   /// Those with a box, ascending: they are in the tree.
   std::vector<std::uint32_t> ids_;
