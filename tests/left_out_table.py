@@ -27,7 +27,8 @@ everything that is seen. Made by `tests/left_out_table.py`; `regraft render … 
 same of every frame.
 
 Matrices are read in bulk as soon as anything but a camera moves: where few meshes stand in
-thousands of places, as in `forest` and `n_body`, they are most of the bytes.
+thousands of places, as in `forest` and `n_body`, they are most of the bytes. Blender hands them out
+all or none. Of a mesh that modifiers only move, positions are read and nothing else.
 
 | scene | triangles | frame | bytes of geometry not read | left out |
 |---|---|---|---|---|"""

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from . import mesh_reader
 from .delta import MeshData, SceneDelta
 from .mesh_reader import Shape
+from .shape_origin import ShapeOrigin, origin_of
 
 # What a mesh is known by from frame to frame: its kind and original data's or object's address.
 MeshKey = tuple[Any, ...]
@@ -19,7 +20,8 @@ MeshKey = tuple[Any, ...]
 
 @dataclass
 class Record:
-    """One native mesh: where it came from, and what was last read."""
+    """One native mesh: where it came from, and what was last read. `origin` tells what its shape
+    follows from, unless it is None; `is_reshaped` that this has changed since."""
 
     handle: int
     key: MeshKey
@@ -27,6 +29,8 @@ class Record:
     is_stale: bool = True
     name: str = ""
     shape: Shape | None = None
+    origin: ShapeOrigin | None = None
+    is_reshaped: bool = True
     checksum: int = 0
     slot_count: int = 1
     bytes: int = 0
@@ -66,11 +70,13 @@ class MeshLibrary:
         come from the original objects or data at the addresses `sources`."""
         if sources is None:
             for record in self._by_handle.values():
-                record.is_stale = True
+                record.is_stale = record.is_reshaped = True
             return
         for source in sources & self._by_source.keys():
             for handle in self._by_source[source]:
-                self._by_handle[handle].is_stale = True
+                record = self._by_handle[handle]
+                record.is_stale = True
+                record.is_reshaped |= record.origin is None or record.origin.data[0] == source
 
     def link(self, handle: int, source: int) -> None:
         """Remember that a mesh comes from the original object or data at address `source`."""
@@ -96,18 +102,20 @@ class MeshLibrary:
             return
         # Edit mode keeps its mesh in another form until it is asked for a copy.
         if mesh.is_editmode:
-            self._read_now(record, ob.to_mesh(), delta)
+            self._read_now(record, ob, ob.to_mesh(), delta)
             ob.to_mesh_clear()
         else:
-            self._read_now(record, mesh, delta)
+            self._read_now(record, ob, mesh, delta)
         record.is_stale = False
 
-    def _read_now(self, record: Record, mesh: bpy.types.Mesh, delta: SceneDelta) -> None:
+    def _read_now(
+        self, record: Record, ob: bpy.types.Object, mesh: bpy.types.Mesh, delta: SceneDelta
+    ) -> None:
         positions = mesh_reader.read_positions(mesh)
-        shape = mesh_reader.read_shape(mesh)
+        shape = self._read_shape(record, ob, mesh)
         record.bytes = positions.nbytes + shape.nbytes()
         self.reads.read += 1
-        self.reads.bytes += record.bytes
+        self.reads.bytes += positions.nbytes
         checksum = int(positions.view(np.uint32).sum(dtype=np.uint64))
         is_still, record.checksum = checksum == record.checksum, checksum
         if record.shape is None:
@@ -121,6 +129,17 @@ class MeshLibrary:
         # The library compares; the checksum, which can collide, only counts.
         delta.deformed[record.handle] = positions
         self.reads.unchanged += is_still
+
+    def _read_shape(self, record: Record, ob: bpy.types.Object, mesh: bpy.types.Mesh) -> Shape:
+        """The shape of `mesh`; the one that is known if it cannot be another."""
+        origin, old = origin_of(ob, mesh), record.origin
+        is_same = origin is not None and origin == old and not record.is_reshaped
+        record.origin, record.is_reshaped = origin, False
+        if is_same and record.shape is not None:
+            return record.shape
+        shape = mesh_reader.read_shape(mesh)
+        self.reads.bytes += shape.nbytes()
+        return shape
 
     def drop_unused(self, used: set[int], delta: SceneDelta) -> None:
         """Forget the meshes that no instance uses."""

@@ -75,6 +75,51 @@ def check_only_what_deformed_is_read_and_refitted() -> None:
     assert f"5 of 6 {WORDS}" in statistics["left_out"], statistics
 
 
+def check_of_a_mesh_that_keeps_its_shape_positions_alone_are_read() -> None:
+    ob = add("wave", grid("wave", 10))
+    ob.modifiers.new("wave", "WAVE").height = 2
+    render(10)
+    assert reads().bytes > 2 * 12 * 121
+    render(20)
+    assert reads().bytes == 12 * 121
+    finer = ob.modifiers.new("finer", "SUBSURF")
+    finer.levels = finer.render_levels = 1
+    for frame in (21, 22):
+        assert render(frame)["triangles"] == 800
+    assert reads().bytes == 12 * 441
+    finer.levels = finer.render_levels = 2
+    assert render(23)["triangles"] == 3200
+
+
+def check_what_else_shapes_a_mesh_is_read_as_soon_as_it_changes() -> None:
+    ob = add("wave", grid("wave", 10))
+    ob.modifiers.new("wave", "WAVE").height = 0.01
+    for name, z in (("low", 0.0), ("high", 1.0)):
+        ob.data.materials.append(paint(name, (z, z, z, 1.0)))
+    assert render(10)["triangles"] == 200
+    ob.data.polygons.foreach_set("material_index", [1] * 100)
+    ob.data.update()
+    render(11)
+    assert reads().bytes > 2 * 12 * 121, "slots"
+    ob.data.polygons.foreach_set("use_smooth", [True] * 100)
+    ob.data.update()
+    render(12)
+    assert reads().bytes > 2 * 12 * 121, "smoothness"
+    more = ob.modifiers.new("more", "ARRAY")
+    assert render(13)["triangles"] == 400
+    render(14)
+    assert reads().bytes > 2 * 12 * 242, "modifiers that make faces"
+    ob.modifiers.remove(more)
+    assert render(15)["triangles"] == 200
+    old, ob.data = ob.data, grid("other", 10)
+    bpy.data.meshes.remove(old)
+    ob.data.polygons.foreach_set("use_smooth", [True] * 100)
+    render(16)
+    assert reads().bytes > 2 * 12 * 121, "another mesh"
+    render(17)
+    assert reads().bytes == 12 * 121
+
+
 def check_a_whole_animation_reads_static_objects_once_whatever_the_users_setting() -> None:
     scene = bpy.context.scene
     scene.render.use_persistent_data = False
