@@ -7,6 +7,13 @@
 
 namespace regraft::test {
 
+/// Those that need no key frames.
+inline constexpr accel::Policy all_policies[] = {
+    accel::Policy::automatic,       accel::Policy::refit,
+    accel::Policy::rebuild,         accel::Policy::lm,
+    accel::Policy::rtdeform,        accel::Policy::selective,
+    accel::Policy::selective_rotate};
+
 /// A scene with one accelerator, for tests that look at what single updates do.
 struct Tended {
   Scene scene;

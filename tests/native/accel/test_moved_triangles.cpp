@@ -14,10 +14,6 @@ using accel::Layout;
 using accel::MovedTriangles;
 using accel::Policy;
 
-constexpr Policy all_policies[] = {
-    Policy::automatic, Policy::refit,     Policy::rebuild,         Policy::lm,
-    Policy::rtdeform,  Policy::selective, Policy::selective_rotate};
-
 /// Moves `count` neighbouring vertices.
 void shake(std::vector<Vec3>& vertices, std::size_t first, std::size_t count, Random& random) {
   for (std::size_t v = first; v < std::min(first + count, vertices.size()); ++v)

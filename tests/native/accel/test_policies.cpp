@@ -11,10 +11,6 @@ namespace {
 using accel::Layout;
 using accel::Policy;
 
-constexpr Policy all_policies[] = {
-    Policy::automatic, Policy::refit,     Policy::rebuild,         Policy::lm,
-    Policy::rtdeform,  Policy::selective, Policy::selective_rotate};
-
 TEST(Policies, TheTopTreeIsMendedLikeAnyOther) {
   for (const Policy policy : all_policies) {
     Tended t;

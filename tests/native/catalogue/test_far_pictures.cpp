@@ -18,8 +18,8 @@ Frame picture(const Vec3d& away, double size) {
     return placed(away + size * p, Vec3d(size * s));
   };
   stage.add(test::square(6.0f), put({0, 0, 0}, 1.0));
-  stage.add(test::sphere(12), put({-1.2, 0, 1}, 1.0));
-  stage.add(test::sphere(24, 1.0f, true), put({1.2, 0.5, 1}, 1.0));
+  stage.add(test::ball(12), put({-1.2, 0, 1}, 1.0));
+  stage.add(test::ball(24, 1.0f, true), put({1.2, 0.5, 1}, 1.0));
   // The light of a lamp falls with the square of its distance.
   stage.renderer.scene().set_lights(
       {test::point_light(away + size * Vec3d(-3, -3, 5), float(300.0 * size * size)),

@@ -18,6 +18,8 @@ struct SplitCase {
 inline constexpr int split_case_kinds = 8;
 SplitCase split_case(int kind, std::size_t count, std::uint32_t seed);
 
+inline constexpr kdtree::SplitCost never_cut_empty{.empty_cut = 2.0};
+
 /// The cheapest of all planes by counting for each of them, without the empty-space cut.
 kdtree::Split brute_force_split(const SplitCase& c, const kdtree::ChildProbability& probability,
                                 const kdtree::SplitCost& cost = {});

@@ -12,7 +12,7 @@ using kdtree::visit_probability;
 constexpr OriginMetric all_metrics[] = {OriginMetric::sah, OriginMetric::regions6,
                                         OriginMetric::regions26, OriginMetric::faces,
                                         OriginMetric::exact};
-const Aabb room{Vec3(-1, 0, 2), Vec3(9, 6, 5)};
+const Aabb hall{Vec3(-1, 0, 2), Vec3(9, 6, 5)};
 
 Aabb with_hi(Aabb box, int axis, float position) {
   box.hi[axis] = position;
@@ -24,16 +24,16 @@ Aabb with_lo(Aabb box, int axis, float position) {
 }
 
 TEST(ChildProbability, IsTheRatioOfTheChildsToTheVoxels) {
-  const Aabb voxels[] = {room, {Vec3(0, 1, 2), Vec3(4, 3, 4)}, {Vec3(-1, 0, 3), Vec3(9, 6, 3)}};
+  const Aabb voxels[] = {hall, {Vec3(0, 1, 2), Vec3(4, 3, 4)}, {Vec3(-1, 0, 3), Vec3(9, 6, 3)}};
   for (const OriginMetric metric : all_metrics)
     for (const Aabb& voxel : voxels)
       for (int axis = 0; axis < 3; ++axis)
         for (const float part : {0.0f, 0.125f, 0.5f, 0.875f, 1.0f}) {
           const float x = voxel.lo[axis] + part * (voxel.hi[axis] - voxel.lo[axis]);
-          const ChildProbability::Pair p = ChildProbability(voxel, metric, room).at(axis, x);
-          const double whole = visit_probability(metric, room, voxel);
-          const double left = visit_probability(metric, room, with_hi(voxel, axis, x));
-          const double right = visit_probability(metric, room, with_lo(voxel, axis, x));
+          const ChildProbability::Pair p = ChildProbability(voxel, metric, hall).at(axis, x);
+          const double whole = visit_probability(metric, hall, voxel);
+          const double left = visit_probability(metric, hall, with_hi(voxel, axis, x));
+          const double right = visit_probability(metric, hall, with_lo(voxel, axis, x));
           EXPECT_NEAR(p.left, left / whole, 1e-12) << int(metric) << " " << axis << " " << part;
           EXPECT_NEAR(p.right, right / whole, 1e-12) << int(metric) << " " << axis << " " << part;
         }
@@ -43,7 +43,7 @@ TEST(ChildProbability, FallsBackToAreasWhereTheOriginsHaveNoVolumeOrSeeNothing) 
   const Aabb voxel{Vec3(20), Vec3(22, 23, 24)};
   const Aabb flat{Vec3(0), Vec3(30, 30, 0)};
   for (const OriginMetric metric : all_metrics)
-    for (const Aabb& origins : {room, flat}) {
+    for (const Aabb& origins : {hall, flat}) {
       const ChildProbability probability(voxel, metric, origins);
       EXPECT_TRUE(probability.linear());
       EXPECT_EQ(probability.at(1, 21).left, ChildProbability(voxel).at(1, 21).left);
@@ -54,7 +54,7 @@ TEST(ChildProbability, OfWhatLiesOutsideTheOriginsIsZero) {
   const Aabb voxel{Vec3(-10, 0, 2), Vec3(20, 6, 5)};
   for (const OriginMetric metric :
        {OriginMetric::regions6, OriginMetric::faces, OriginMetric::exact}) {
-    const ChildProbability probability(voxel, metric, room);
+    const ChildProbability probability(voxel, metric, hall);
     EXPECT_EQ(probability.at(0, -5).left, 0.0);
     EXPECT_EQ(probability.at(0, -5).right, 1.0);
     EXPECT_EQ(probability.at(0, 15).left, 1.0);
@@ -73,7 +73,7 @@ TEST(ChildProbability, OfALineAndAPointAreRatiosOfLengths) {
 TEST(ChildProbability, RisesWithTheChild) {
   for (const OriginMetric metric : all_metrics) {
     const Aabb voxel{Vec3(0, 1, 2), Vec3(4, 3, 4)};
-    const ChildProbability probability(voxel, metric, room);
+    const ChildProbability probability(voxel, metric, hall);
     ChildProbability::Pair last{0.0, 2.0};
     for (int i = 0; i <= 200; ++i) {
       const ChildProbability::Pair p = probability.at(0, 4.0 * i / 200.0);

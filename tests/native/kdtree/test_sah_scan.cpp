@@ -21,7 +21,6 @@ using kdtree::SplitCost;
 using kdtree::SplitEntry;
 
 constexpr double never = std::numeric_limits<double>::infinity();
-constexpr SplitCost never_cut_empty{.empty_cut = 2.0};
 
 /// Without the short cut for few entries.
 ScanConfig scan(double epsilon, int samples = 15) {

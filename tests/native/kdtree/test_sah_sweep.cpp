@@ -14,8 +14,6 @@ using kdtree::Split;
 using kdtree::SplitCost;
 using kdtree::SplitEntry;
 
-constexpr SplitCost never_cut_empty{.empty_cut = 2.0};
-
 TEST(SahSweep, FindsThePlaneThatCountingForEveryPlaneFinds) {
   for (int kind = 0; kind < split_case_kinds; ++kind)
     for (const std::size_t count : {1u, 2u, 5u, 40u, 150u}) {

@@ -27,7 +27,7 @@ inline Shape square(float half, float z = 0.0f) {
 }
 
 /// A closed sphere of `rings` × 2·`rings` faces about the origin.
-inline Shape sphere(unsigned rings, float radius = 1.0f, bool smooth = false) {
+inline Shape ball(unsigned rings, float radius = 1.0f, bool smooth = false) {
   const unsigned columns = 2 * rings;
   Shape shape;
   shape.smooth = smooth;

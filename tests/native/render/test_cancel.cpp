@@ -21,7 +21,7 @@ RenderSettings endless() {
 
 Stage& furnished(Stage& stage) {
   stage.add(test::square(5.0f));
-  stage.add(test::sphere(32), test::placed({0.0, 0.0, 1.0}));
+  stage.add(test::ball(32), test::placed({0.0, 0.0, 1.0}));
   return stage;
 }
 

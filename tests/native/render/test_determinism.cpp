@@ -5,10 +5,10 @@
 namespace regraft::render {
 namespace {
 
+using test::ball;
 using test::placed;
 using test::same_pixels;
 using test::sized;
-using test::sphere;
 using test::square;
 using test::Stage;
 
@@ -22,9 +22,9 @@ void furnish(Stage& stage) {
   metal.roughness = 0.1f;
   stage.renderer.scene().set_materials({test::plain(Vec3(0.8f)), glass, metal});
   stage.add(square(6.0f), Mat4d(1.0), {0}, 1);
-  stage.add(sphere(12, 1.0f, true), placed({-1.5, 0.0, 1.0}), {1}, 2);
-  stage.add(sphere(12), placed({0.5, 0.5, 1.0}, {1.0, 0.7, 1.1}), {2}, 3);
-  stage.add(sphere(40, 1.0f, true), placed({2.5, -0.5, 0.8}, {-0.8, 0.8, 0.8}), {0}, 4);
+  stage.add(ball(12, 1.0f, true), placed({-1.5, 0.0, 1.0}), {1}, 2);
+  stage.add(ball(12), placed({0.5, 0.5, 1.0}, {1.0, 0.7, 1.1}), {2}, 3);
+  stage.add(ball(40, 1.0f, true), placed({2.5, -0.5, 0.8}, {-0.8, 0.8, 0.8}), {0}, 4);
   Light lamp = test::point_light({-3.0, -3.0, 5.0}, 300.0f);
   lamp.radius = 0.4f;
   Light spot = test::point_light({3.0, -2.0, 5.0}, 500.0f);

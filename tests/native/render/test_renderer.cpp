@@ -10,11 +10,11 @@
 namespace regraft::render {
 namespace {
 
+using test::ball;
 using test::from_above;
 using test::placed;
 using test::red;
 using test::sized;
-using test::sphere;
 using test::square;
 using test::Stage;
 
@@ -123,7 +123,7 @@ TEST(Renderer, RaysAreCountedByWhatTheyAreFor) {
 
 TEST(Renderer, ObservedCostDoesNotDependOnHowMuchOfThePictureIsEmpty) {
   Stage stage;
-  stage.add(sphere(16));
+  stage.add(ball(16));
   const double near = stage.picture(from_above(1.0), sized(64, 64)).statistics.observed_cost;
   const double far = stage.picture(from_above(4.0), sized(256, 256)).statistics.observed_cost;
   EXPECT_GT(near, 5.0);
@@ -190,7 +190,7 @@ TEST(Renderer, NormalsFaceTheViewerFromBothSides) {
 
 TEST(Renderer, ClayIsBrightestFacingTheViewerAndReadsNoLights) {
   Stage stage;
-  stage.add(sphere(32, 1.0f, true));
+  stage.add(ball(32, 1.0f, true));
   stage.light(test::point_light({5.0, 0.0, 0.0}, 1e6f));
   const Frame frame = stage.picture(from_above(1.2), sized(65, 65, Shading::clay));
   EXPECT_NEAR(red(frame, 32, 32), 0.6f, 1e-2f);
@@ -201,7 +201,7 @@ TEST(Renderer, ClayIsBrightestFacingTheViewerAndReadsNoLights) {
 
 TEST(Renderer, TheHeatMapCoversEverything) {
   Stage stage;
-  stage.add(sphere(32));
+  stage.add(ball(32));
   const Frame frame = stage.picture(from_above(2.0), sized(32, 32, Shading::cost));
   EXPECT_GT(red(frame, 16, 16), red(frame, 0, 0));
   EXPECT_EQ(frame.passes.at("combined").pixel(0, 0)[3], 1.0f);

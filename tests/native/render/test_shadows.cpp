@@ -9,12 +9,12 @@
 namespace regraft::render {
 namespace {
 
+using test::ball;
 using test::from_above;
 using test::placed;
 using test::point_light;
 using test::red;
 using test::sized;
-using test::sphere;
 using test::square;
 using test::Stage;
 
@@ -25,7 +25,7 @@ TEST(Shadows, ASphereOverAPlaneShadowsADisk) {
   // plane at 6·tan(asin(1/3)) from its foot.
   Stage stage;
   stage.add(square(10.0f));
-  stage.add(sphere(96), placed({0.0, 0.0, 3.0}));
+  stage.add(ball(96), placed({0.0, 0.0, 3.0}));
   stage.light(point_light({0.0, 0.0, 6.0}, 100.0f));
   Camera below = from_above(4.0);
   below.camera_to_world[3].z = 1.0;
@@ -46,7 +46,7 @@ TEST(Shadows, ASphereOverAPlaneShadowsADisk) {
 TEST(Shadows, LightsThatCastNoneShineThrough) {
   Stage stage;
   stage.add(square(10.0f));
-  stage.add(sphere(16), placed({0.0, 0.0, 3.0}));
+  stage.add(ball(16), placed({0.0, 0.0, 3.0}));
   Light light = point_light({0.0, 0.0, 6.0}, 100.0f);
   light.cast_shadow = false;
   stage.light(light);
@@ -103,7 +103,7 @@ const Convex bodies[] = {
 /// a light: each would be the body shadowing itself.
 int self_shadowed(const Convex& body, bool smooth, unsigned rings, Light light) {
   Stage stage;
-  stage.add(sphere(rings, 1.0f, smooth), body.at);
+  stage.add(ball(rings, 1.0f, smooth), body.at);
   const Vec3d middle(body.at[3]);
   const Vec3d aside = glm::normalize(Vec3d(0.3, 1.0, 0.5));
   light.position = middle + 20.0 * body.size * aside;
@@ -179,7 +179,7 @@ TEST(Shadows, ALightExactlyOnASurfaceLightsNoneOfIt) {
 
 TEST(Shadows, ALightInASphereThatTouchesItIsFiniteAndStaysInside) {
   Stage stage;
-  stage.add(sphere(64));
+  stage.add(ball(64));
   stage.add(square(5.0f, -1.0f));
   stage.light(point_light({0.0, 0.0, -1.0}, 100.0f));
   const Frame outside =

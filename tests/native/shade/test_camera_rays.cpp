@@ -13,7 +13,7 @@
 namespace regraft::shade {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const Vec3d nothing_lo(1.0), nothing_hi(-1.0);
 const Raster raster{48, 32, 0, 0, 48, 32};
 

@@ -9,7 +9,7 @@
 namespace regraft::shade {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Points in a row along x on the plane z = 0, from −4 to 4, that face up.
 std::unique_ptr<SurfaceLanes> floor_points() {

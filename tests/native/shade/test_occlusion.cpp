@@ -78,7 +78,7 @@ TEST(Occlusion, FewSamplesStillGetEightRaysAPixel) {
 
 TEST(Occlusion, FacetsOfASmoothBodyDoNotOccludeEachOther) {
   Stage stage;
-  stage.add(test::sphere(8, 1.0f, true));
+  stage.add(test::ball(8, 1.0f, true));
   const render::Frame frame = stage.picture(test::perspective({4.0, -3.0, 2.0}, Vec3d(0.0), 0.1),
                                             sized(32, 32, Shading::occlusion));
   for (std::uint32_t y = 0; y < 32; ++y)

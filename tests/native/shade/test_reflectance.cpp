@@ -9,7 +9,7 @@
 namespace regraft::shade {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// 64 surfaces that face up, seen at angles from straight on to grazing.
 struct Bench {

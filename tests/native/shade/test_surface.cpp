@@ -10,9 +10,9 @@
 namespace regraft::shade {
 namespace {
 
+using test::ball;
 using test::placed;
 using test::Shape;
-using test::sphere;
 using test::square;
 using test::Stage;
 
@@ -104,7 +104,7 @@ TEST(Surface, NormalsAreUnitAndPerpendicularUnderAnyScale) {
 
 TEST(Surface, SmoothNormalsOfASphereAreRadial) {
   Stage stage;
-  stage.add(sphere(64, 2.0f, true), placed({1.0, 2.0, 3.0}));
+  stage.add(ball(64, 2.0f, true), placed({1.0, 2.0, 3.0}));
   const Seen seen(stage, {1.0, -8.0, 4.0}, {1.0, 2.0, 3.0}, 0.15);
   for (std::uint32_t i = 0; i < lane_count; ++i) {
     const Vec3d radial = glm::normalize(seen.position(i) - Vec3d(1.0, 2.0, 3.0));
@@ -116,7 +116,7 @@ TEST(Surface, SmoothSurfacesAreLiftedTowardsTheCurveTheyStandFor) {
   // A coarse sphere: tangent planes at its corners lie outside it, facets inside.
   for (const Vec3d& scale : {Vec3d(1.0), Vec3d(-1.0, 1.0, 1.0), Vec3d(1.0, 1.0, 0.25)}) {
     Stage stage;
-    stage.add(sphere(6, 1.0f, true), placed(Vec3d(0.0), scale));
+    stage.add(ball(6, 1.0f, true), placed(Vec3d(0.0), scale));
     const Seen seen(stage, {3.0, -4.0, 1.0}, Vec3d(0.0), 0.04);
     double lowest = 2.0;
     for (std::uint32_t i = 0; i < lane_count; ++i) {
@@ -131,7 +131,7 @@ TEST(Surface, SmoothSurfacesAreLiftedTowardsTheCurveTheyStandFor) {
 
 TEST(Surface, FromInsideASmoothBodyNothingIsLifted) {
   Stage stage;
-  stage.add(sphere(6, 1.0f, true));
+  stage.add(ball(6, 1.0f, true));
   const Seen seen(stage, {0.01, 0.02, 0.0}, {0.3, 1.0, 0.2}, 0.3);
   for (std::uint32_t i = 0; i < lane_count; ++i) EXPECT_LT(glm::length(seen.position(i)), 1.0);
 }

@@ -20,7 +20,7 @@ constexpr std::array<Setup, 7> all_setups{
      {Policy::rebuild, Layout::flat},
      {Policy::automatic, Layout::flat},
      {Policy::automatic, Layout::two_level, Structure::kdtree}}};
-constexpr Policy all_policies[] = {
+constexpr Policy every_policy[] = {
     Policy::refit,    Policy::rebuild,   Policy::automatic,        Policy::lm,
     Policy::rtdeform, Policy::selective, Policy::selective_rotate, Policy::shot};
 constexpr unsigned pool_sizes[] = {1, 2, 5};
@@ -38,7 +38,7 @@ std::span<const Setup> setups() {
 std::span<const Setup> policies() {
   static const std::vector<Setup> all = [] {
     std::vector<Setup> list{{Policy::automatic, Layout::two_level, Structure::kdtree}};
-    for (const Policy policy : all_policies)
+    for (const Policy policy : every_policy)
       for (const Layout layout : {Layout::two_level, Layout::flat})
         list.push_back({policy, layout});
     return list;

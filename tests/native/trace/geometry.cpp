@@ -2,13 +2,14 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
 namespace regraft::test {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Two triangles for each cell of a grid that is closed on itself in both directions.
 void wrap_cells(Geometry& g, std::uint32_t rings, std::uint32_t segments) {
@@ -55,6 +56,11 @@ Vec3d Random::way() {
 
 Geometry triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return {{a, b, c}, {{0, 1, 2}}};
+}
+
+Mat4d anyhow(Random& random, double reach) {
+  return glm::rotate(glm::translate(Mat4d(1.0), random.in_box(reach)), random.uniform(0.0, 6.0),
+                     random.way());
 }
 
 Geometry sphere(std::uint32_t rings, std::uint32_t segments) {

@@ -44,6 +44,9 @@ class Random {
 
 Geometry triangle(const Vec3& a, const Vec3& b, const Vec3& c);
 /// Closed; radius 1 about 0.
+/// A turn and a place in a box at random.
+Mat4d anyhow(Random& random, double reach);
+
 Geometry sphere(std::uint32_t rings, std::uint32_t segments);
 /// Closed; radii 1 and `tube` about the z axis.
 Geometry torus(std::uint32_t rings, std::uint32_t segments, double tube);

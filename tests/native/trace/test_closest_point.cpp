@@ -71,11 +71,6 @@ struct Points {
   }
 };
 
-Mat4d anyhow(Random& random, double reach) {
-  return glm::rotate(glm::translate(Mat4d(1.0), random.in_box(reach)), random.uniform(0.0, 6.0),
-                     random.way());
-}
-
 TEST(ClosestPoint, IsTheNearestOfASoupBeforeAndAfterItMoves) {
   Points points;
   Random random(1);

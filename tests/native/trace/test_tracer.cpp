@@ -16,10 +16,6 @@ Mat4d at(const Vec3d& p) {
   return glm::translate(Mat4d(1.0), p);
 }
 
-Mat4d anyhow(Random& random, double reach) {
-  return glm::rotate(at(random.in_box(reach)), random.uniform(0.0, 6.0), random.way());
-}
-
 TEST(Tracer, ClosedMeshesAreTheSameForAllAndRight) {
   Bed bed;
   bed.add(sphere(8, 12));
