@@ -44,6 +44,8 @@ void each_field(const Visit& visit) {
   visit("nodes_rebuilt", &S::nodes_rebuilt, "nodes built anew");
   visit("pairs_considered", &S::pairs_considered, "pairs looked at by selective restructuring");
   visit("pairs_restructured", &S::pairs_restructured, "pairs restructured");
+  visit("late_updates", &S::late_updates, "trees brought up to date when rays came near");
+  visit("late_update_ms", &S::late_update_ms, "what the threads of those rays took for it");
   if constexpr (frame) {
     visit("rays_primary", &S::rays_primary, "rays from the camera");
     visit("rays_shadow", &S::rays_shadow, "rays to lights, and for occlusion");

@@ -17,7 +17,8 @@ VERTICES, TRIANGLES = square()
 UPDATE_FIELDS = [
     *("update_ms", "policy", "structure", "layout", "triangles", "instances", "moved_instances"),
     *("deformed_meshes", "deformed_triangles", "nodes", "nodes_refitted", "nodes_rebuilt"),
-    *("pairs_considered", "pairs_restructured", "culling_efficiency", "cost_ratio"),
+    *("pairs_considered", "pairs_restructured", "late_updates", "late_update_ms"),
+    *("culling_efficiency", "cost_ratio"),
     *("kdtree_nodes", "kdtree_built_fraction", "kdtree_unbuilt_nodes", "kdtree_large_leaves"),
     *("memory_bytes", "left_out", "warnings"),
 ]

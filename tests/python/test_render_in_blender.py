@@ -25,6 +25,7 @@ STATISTICS = (
     "policy structure layout "
     "triangles instances moved_instances deformed_meshes deformed_triangles "
     "nodes nodes_refitted nodes_rebuilt pairs_considered pairs_restructured "
+    "late_updates late_update_ms "
     "rays_primary rays_shadow rays_secondary nodes_visited triangle_tests "
     "culling_efficiency observed_cost cost_ratio kdtree_nodes kdtree_built_fraction "
     "kdtree_unbuilt_nodes kdtree_large_leaves memory_bytes left_out warnings"

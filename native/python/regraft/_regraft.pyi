@@ -51,6 +51,8 @@ class FrameStatistics:
     nodes_rebuilt: int
     pairs_considered: int
     pairs_restructured: int
+    late_updates: int
+    late_update_ms: float
     rays_primary: int
     rays_shadow: int
     rays_secondary: int
@@ -524,6 +526,8 @@ class UpdateStatistics:
     nodes_rebuilt: int
     pairs_considered: int
     pairs_restructured: int
+    late_updates: int
+    late_update_ms: float
     culling_efficiency: float
     cost_ratio: float
     kdtree_nodes: int

@@ -7,7 +7,6 @@
 
 #include "regraft/accel/accelerator_state.h"
 #include "regraft/accel/structure_choice.h"
-#include "regraft/kdtree/statistics.h"
 
 namespace regraft::accel {
 
@@ -16,37 +15,6 @@ namespace {
 /// Meshes below this are updated side by side, one thread each; larger ones one after the other,
 /// all threads together.
 constexpr std::size_t shared_size = 32768;
-
-std::string mesh_label(const Mesh& mesh, std::uint32_t id) {
-  return "mesh " + std::to_string(id) + (mesh.name.empty() ? "" : " '" + mesh.name + "'");
-}
-
-void tell(const TreeWork& work, UpdateStatistics& s) {
-  s.nodes_refitted = work.nodes_refitted;
-  s.nodes_rebuilt = work.nodes_rebuilt;
-  s.pairs_considered = work.pairs_considered;
-  s.select_ms = work.select_ms;
-  for (const bvh::Restructured& operation : work.operations) {
-    s.pairs_restructured += operation.realised != 0.0;
-    s.predicted_benefits.push_back(operation.predicted);
-    s.realised_savings.push_back(operation.realised);
-  }
-}
-
-/// What `auto` did not do, and why.
-std::string reason(const TreeWork& work) {
-  switch (work.done) {
-    case TreeUpdate::none:
-      return "auto: no tree's primitives moved: no refit";
-    case TreeUpdate::refit:
-      return "auto: nothing worth restructuring: refit only";
-    case TreeUpdate::restructure:
-      return "auto: damage is local: no tree built anew";
-    case TreeUpdate::rebuild:
-      break;
-  }
-  return "auto: a tree is new, or its damage costs more than building it anew: not mended";
-}
 
 }  // namespace
 
@@ -64,12 +32,16 @@ void Accelerator::State::note(const ChangeSet& changes, std::size_t mesh_count) 
   blases.resize(mesh_count);
   normals.resize(mesh_count);
   pending.resize(mesh_count, Pending::none);
+  absences.resize(mesh_count);
+  late.resize(mesh_count);
   looked_at.resize(mesh_count, updates);
   pending_normals.resize(mesh_count, Pending::none);
   for (const std::uint32_t id : changes.removed_meshes) {
     blases[id] = {};
     normals[id] = {};
     pending[id] = pending_normals[id] = Pending::none;
+    absences[id] = {};
+    late[id].reset();
   }
   for (const std::uint32_t id : changes.added_meshes) mark(id, Pending::topology);
   for (const std::uint32_t id : changes.retopologised_meshes) mark(id, Pending::topology);
@@ -167,62 +139,6 @@ TreeWork Accelerator::State::bound_meshes(const Scene& scene, std::span<const st
   return {};
 }
 
-void Accelerator::State::warn_of_dropped(const Scene& scene) {
-  mesh_warnings.clear();
-  std::uint64_t zero_area = 0;
-  for (std::uint32_t id = 0; id < blases.size(); ++id) {
-    zero_area += blases[id].zero_area();
-    if (blases[id].non_finite() != 0)
-      mesh_warnings.push_back(mesh_label(scene.meshes()[id], id) + ": " +
-                              std::to_string(blases[id].non_finite()) +
-                              " triangles with non-finite vertices left out");
-  }
-  if (zero_area != 0)
-    mesh_warnings.push_back(std::to_string(zero_area) + " triangles of zero area left out");
-}
-
-void Accelerator::State::count(const Scene& scene, UpdateStatistics& s) const {
-  s.nodes = tlas.bvh().node_count();
-  for (const trace::InstanceView& v : instances.views())
-    s.triangles += scene.meshes()[scene.instances()[v.instance_id].mesh].triangles.size();
-  s.instances = instances.views().size();
-  s.memory_bytes = scene.bytes() + instances.bytes() + tlas.bytes();
-  for (std::size_t id = 0; id < blases.size(); ++id) {
-    s.nodes += blases[id].bvh().node_count();
-    s.memory_bytes += blases[id].bytes() + normals[id].bytes();
-  }
-  s.culling_efficiency = tlas.culling_efficiency(instances);
-  const double unworn = tlas.unworn_cost(instances);
-  s.cost_ratio = unworn > 0.0 ? tlas.sah_cost(instances) / unworn : 1.0;
-}
-
-void Accelerator::State::list_left_out(const Scene& scene, const ChangeSet& changes,
-                                       std::size_t updated, std::size_t hidden,
-                                       UpdateStatistics& s) const {
-  std::size_t alive = 0;
-  for (const Mesh& mesh : scene.meshes()) alive += mesh.alive;
-  if (alive > updated + hidden)
-    s.left_out.push_back(std::to_string(alive - updated - hidden) + " of " + std::to_string(alive) +
-                         " meshes unchanged: their trees not touched");
-  if (hidden != 0)
-    s.left_out.push_back(std::to_string(hidden) + " changed meshes hidden: not updated");
-  if (changes.deformed_meshes.empty() && changes.retopologised_meshes.empty() &&
-      changes.added_meshes.empty())
-    s.left_out.emplace_back("no deformation: no refit of meshes");
-}
-
-UpdateStatistics Accelerator::State::unchanged(const UpdateOptions& options) const {
-  UpdateStatistics s = last;
-  s.policy = name(options.policy);
-  s.update_ms = 0.0;
-  s.moved_instances = s.deformed_meshes = s.deformed_triangles = 0;
-  s.nodes_refitted = s.nodes_rebuilt = s.pairs_considered = s.pairs_restructured = 0;
-  s.predicted_benefits = s.realised_savings = {};
-  s.select_ms = 0.0;
-  s.left_out = {"nothing changed: no update"};
-  return s;
-}
-
 UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& changes,
                                      const UpdateOptions& options, int width, Executor& executor) {
   const auto start = std::chrono::steady_clock::now();
@@ -232,38 +148,31 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   const bool other_trees = width != state.last_width ||
                            options.layout != state.last_options.layout ||
                            choice.structure != state.structure;
-  if (changes.empty() && !other_trees) return state.unchanged(options);
+  UpdateStatistics s;
+  if (changes.empty() && !other_trees) {
+    s = state.unchanged(options);
+    count_late(s);
+    return s;
+  }
+  state.settle_late();
   state.note(changes, scene.meshes().size());
   if (other_trees) state.renew_trees();
   state.structure = choice.structure;
+  const Waiting waiting{!kdtree && options.layout == Layout::two_level, state.rays_left_marks()};
   const Tending how = state.tending(options, width);
-  const std::vector<std::uint8_t> seen = state.seen_meshes(scene);
-  std::vector<std::uint32_t> todo;
-  std::size_t hidden = 0;
-  std::vector<std::uint8_t> changed(scene.meshes().size(), 0);
-  UpdateStatistics s;
-  for (std::uint32_t id = 0; id < state.pending.size(); ++id) {
-    if (state.pending[id] == Pending::none) continue;
-    if (seen[id] == 0) {
-      ++hidden;
-      continue;
-    }
-    todo.push_back(id);
-    changed[id] = 1;
-    if (state.pending[id] != Pending::deformed) continue;
-    ++s.deformed_meshes;
-    s.deformed_triangles += scene.meshes()[id].triangles.size();
-  }
-  TreeWork work = kdtree ? state.bound_meshes(scene, todo, executor)
-                         : state.update_meshes(scene, todo, options.layout, how, executor);
+  const MeshPlan plan = state.plan_meshes(scene, changes, waiting, executor);
+  TreeWork work = kdtree ? state.bound_meshes(scene, plan.update, executor)
+                         : state.update_meshes(scene, plan.update, options.layout, how, executor);
   // Rays do not see the tree over instances beside a k-d tree: it says how large the scene is.
   const Layout layout = kdtree ? Layout::two_level : options.layout;
-  InstanceSet::Changes placed = state.instances.update(
-      scene, state.blases, changes, changed, kdtree ? Layout::flat : options.layout, how, executor);
+  InstanceSet::Changes placed =
+      state.instances.update(scene, state.blases, changes, plan.changed,
+                             kdtree ? Layout::flat : options.layout, how, executor);
   work.add(placed.baked);
   if (layout == Layout::flat && work.done == TreeUpdate::rebuild) placed.set_changed = true;
   work.add(state.tlas.update(scene, state.instances, placed, layout, how, executor));
   state.instances.note_bounds(state.tlas.bounds());
+  state.postpone_meshes(scene, plan.postpone, how, executor);
 
   state.tlas.show(state.view);
   state.view.instances = state.instances.views().data();
@@ -271,8 +180,9 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   for (int k = 0; k < 3; ++k) state.view.scene_origin[k] = state.instances.origin()[k];
   std::uint64_t forgotten = 0;
   if (kdtree)
-    forgotten = state.kdtree.update(scene, state.instances,
-                                    {placed, changed, options.policy == Policy::rebuild}, executor);
+    forgotten =
+        state.kdtree.update(scene, state.instances,
+                            {placed, plan.changed, options.policy == Policy::rebuild}, executor);
   else
     state.kdtree.clear();
   state.view.kdtree = state.kdtree.tree();
@@ -281,8 +191,12 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   s.structure = name(choice.structure);
   s.layout = name(options.layout);
   s.moved_instances = changes.moved_instances.size();
-  tell(work, s);
-  if (!todo.empty() || !changes.removed_meshes.empty()) state.warn_of_dropped(scene);
+  s.deformed_meshes = plan.deformed_meshes;
+  s.deformed_triangles = plan.deformed_triangles;
+  add(work, s);
+  count_late(s);
+  const bool has_looked = !plan.update.empty() || !plan.postpone.empty();
+  if (has_looked || !changes.removed_meshes.empty()) state.warn_of_dropped(scene);
   s.warnings = state.mesh_warnings;
   s.warnings.insert(s.warnings.end(), state.instances.warnings().begin(),
                     state.instances.warnings().end());
@@ -290,7 +204,7 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   state.bytes_without_kdtree = s.memory_bytes;
   if (kdtree) s.cost_ratio = 1.0;
   count_kdtree(s);
-  state.list_left_out(scene, changes, todo.size(), hidden, s);
+  state.list_left_out(scene, changes, plan, s);
   if (options.policy == Policy::automatic && !kdtree) s.left_out.push_back(reason(work));
   if (work.edited != 0)
     s.left_out.push_back(std::to_string(work.edited) +
@@ -319,18 +233,6 @@ const trace::TraceView& Accelerator::view() const {
   return state_->view;
 }
 
-void Accelerator::count_kdtree(UpdateStatistics& statistics) const {
-  const kdtree::KdTree* tree = state_->kdtree.tree();
-  if (tree == nullptr) return;
-  const kdtree::Statistics now = kdtree::measure(*tree);
-  statistics.kdtree_nodes = now.nodes();
-  statistics.kdtree_built_fraction = now.built_fraction;
-  statistics.kdtree_unbuilt_nodes = now.unbuilt;
-  statistics.kdtree_large_leaves = now.large_leaves;
-  statistics.culling_efficiency = now.sam_cost;
-  statistics.memory_bytes = state_->bytes_without_kdtree + state_->kdtree.bytes();
-}
-
 std::pair<Vec3d, Vec3d> Accelerator::world_bounds() const {
   const Aabb box = state_->tlas.bounds();
   const Vec3d& origin = state_->instances.origin();
@@ -351,20 +253,6 @@ void Accelerator::update_shading_normals(const Scene& scene, Executor& executor)
 
 std::span<const Vec3> Accelerator::shading_normals(std::uint32_t mesh) const {
   return state_->normals[mesh].normals();
-}
-
-std::string Accelerator::validate(const Scene& scene) const {
-  std::string error = state_->tlas.validate();
-  if (!error.empty()) return "top tree: " + error;
-  error = state_->kdtree.validate();
-  if (!error.empty()) return "k-d tree: " + error;
-  for (std::uint32_t id = 0; id < state_->blases.size(); ++id) {
-    const Blas& blas = state_->blases[id];
-    if (!blas.exists() || state_->pending[id] != Pending::none) continue;
-    error = blas.validate(scene.meshes()[id]);
-    if (!error.empty()) return mesh_label(scene.meshes()[id], id) + ": " + error;
-  }
-  return "";
 }
 
 }  // namespace regraft::accel

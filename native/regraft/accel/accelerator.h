@@ -48,6 +48,9 @@ class Accelerator {
   /// Fills in what there is by now of a k-d tree, which grows while rays are traced.
   void count_kdtree(UpdateStatistics& statistics) const;
 
+  /// Adds what rays have made up for in trees that were left behind, unless that was told already.
+  void count_late(UpdateStatistics& statistics);
+
   /// World box of what can be hit, double; lo > hi when there is nothing.
   std::pair<Vec3d, Vec3d> world_bounds() const;
 
@@ -61,7 +64,7 @@ class Accelerator {
 
   /// How good the trees are, by the names of `regraft.Scene.quality`. `fresh`: also build every
   /// tree anew, beside the present ones, to compare with. Of a k-d tree: of all of it, so what no
-  /// ray has asked for is built.
+  /// ray has asked for is built; of trees left behind: as they are once they have caught up.
   Quality quality(const Scene& scene, bool fresh, Executor& executor) const;
 
   /// The nodes `depth` levels below the root, counted through the top tree into those of meshes,

@@ -7,6 +7,7 @@
 
 #include "regraft/accel/key_boxes.h"
 #include "regraft/accel/triangle_bounds.h"
+#include "regraft/accel/vertex_bounds.h"
 #include "regraft/bvh/validate.h"
 
 namespace regraft::accel {
@@ -32,6 +33,29 @@ std::vector<std::uint8_t> degenerate_flags(const Mesh& mesh, Executor& executor)
   });
   return flags;
 }
+struct TriangleBounds {
+  Aabb box;
+  std::uint32_t lost;  ///< triangles that are not finite
+};
+
+/// Box of `count` triangles; `prim(i)` is the number of the i-th.
+template <typename Prim>
+TriangleBounds bounds_of(const Mesh& mesh, std::size_t count, const Prim& prim,
+                         Executor& executor) {
+  std::vector<Aabb> boxes((count + grain - 1) / grain);
+  std::atomic<std::uint32_t> lost{0};
+  const auto count_lost = [&] { lost.fetch_add(1, std::memory_order_relaxed); };
+  executor.parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
+    bvh::Box4 box;
+    for (std::size_t i = begin; i < end; ++i)
+      box.extend(fast_triangle_bounds(mesh, prim(i), count_lost));
+    boxes[begin / grain] = box.aabb();
+  });
+  Aabb all;
+  for (const Aabb& box : boxes) all.extend(box);
+  return {all, lost};
+}
+
 }  // namespace
 
 TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Layout layout, const Tending& how,
@@ -66,6 +90,7 @@ void Blas::sort_out(const Mesh& mesh, Executor& executor) {
   const std::vector<std::uint8_t> degenerate = degenerate_flags(mesh, executor);
   prims_.resize(degenerate.size());
   dropped_.clear();
+  on_all_vertices_.reset();
   run_boxes_ = {};
   if (std::find(degenerate.begin(), degenerate.end(), 1) == degenerate.end())
     return std::iota(prims_.begin(), prims_.end(), 0u);
@@ -82,20 +107,37 @@ std::uint32_t Blas::place(std::uint32_t t) const {
 
 void Blas::bound(const Mesh& mesh, Executor& executor) {
   *this = {};
-  std::vector<Aabb> boxes((mesh.triangles.size() + grain - 1) / grain);
-  std::atomic<std::uint32_t> lost{0};
-  const auto count_lost = [&] { lost.fetch_add(1, std::memory_order_relaxed); };
-  executor.parallel_for(mesh.triangles.size(), grain, [&](std::size_t begin, std::size_t end) {
-    bvh::Box4 box;
-    for (std::size_t t = begin; t < end; ++t)
-      box.extend(fast_triangle_bounds(mesh, std::uint32_t(t), count_lost));
-    boxes[begin / grain] = box.aabb();
-  });
-  for (const Aabb& box : boxes) bounds_.extend(box);
-  extent_ = bounds_;
-  non_finite_ = lost;
+  const TriangleBounds all = bounds_of(
+      mesh, mesh.triangles.size(), [](std::size_t i) { return std::uint32_t(i); }, executor);
+  bounds_ = extent_ = all.box;
+  non_finite_ = all.lost;
   only_bounded_ = true;
   exists_ = true;
+}
+
+bool Blas::postpone(const Mesh& mesh, Executor& executor) {
+  if (!tree_.exists() || revived(mesh)) return false;
+  std::optional<Aabb> box;
+  if (hangs_on_all_vertices(mesh)) box = vertex_bounds(mesh.vertices, executor);
+  if (box) {
+    note_bounds(mesh, *box, 0);
+    return true;
+  }
+  const std::span<const std::uint32_t> prims = this->prims();
+  const TriangleBounds all = bounds_of(
+      mesh, prims.size(), [&](std::size_t i) { return prims[i]; }, executor);
+  note_bounds(mesh, all.box, all.lost);
+  return true;
+}
+
+/// Whether the box of its triangles is that of the mesh's vertices.
+bool Blas::hangs_on_all_vertices(const Mesh& mesh) {
+  if (on_all_vertices_) return *on_all_vertices_;
+  std::vector<std::uint8_t> is_used(mesh.vertices.size(), 0);
+  for (const std::uint32_t t : prims())
+    for (int k = 0; k < 3; ++k) is_used[mesh.triangles[t][k]] = 1;
+  on_all_vertices_ = std::find(is_used.begin(), is_used.end(), 0) == is_used.end();
+  return *on_all_vertices_;
 }
 
 void Blas::build(const Mesh& mesh, const Tending& how, Executor& executor) {

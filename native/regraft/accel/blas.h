@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,11 @@ class Blas {
 
   /// Gives up the tree and only measures the mesh, for a structure that reads meshes by itself.
   void bound(const Mesh& mesh, Executor& executor);
+
+  /// Only bounds the mesh, exactly as `update` would; its tree is behind until `update` is called,
+  /// which takes all motion since the last time together.
+  /// @return false if the tree lacks a triangle that can be hit now: then nothing was done.
+  bool postpone(const Mesh& mesh, Executor& executor);
 
   bool exists() const { return exists_; }
   /// Whether the last update found other triangles that can be hit than the one before.
@@ -62,6 +68,7 @@ class Blas {
   void measure(const Mesh& mesh, Executor& executor);
   void note_bounds(const Mesh& mesh, const Aabb& bounds, std::uint32_t lost);
   bool revived(const Mesh& mesh) const;
+  bool hangs_on_all_vertices(const Mesh& mesh);
 
   KeptTree tree_;
   MovedTriangles moved_;
@@ -69,7 +76,8 @@ class Blas {
   std::vector<std::uint32_t> prims_;  ///< without a tree, ascending
   std::vector<bvh::Box4> run_boxes_;  ///< of runs of them
   std::vector<std::uint32_t> dropped_;
-  std::uint32_t lost_ = 0;  ///< of those in the tree that are not finite now
+  std::optional<bool> on_all_vertices_;  ///< triangles of the tree use every vertex
+  std::uint32_t lost_ = 0;               ///< of those in the tree that are not finite now
   std::uint32_t non_finite_ = 0;
   std::uint32_t zero_area_ = 0;
   Aabb bounds_;

@@ -6,6 +6,8 @@
 #include <glm/matrix.hpp>
 #include <numeric>
 
+#include "regraft/accel/late_update.h"
+
 namespace regraft::accel {
 
 namespace {
@@ -271,6 +273,15 @@ InstanceSet::Changes InstanceSet::update(const Scene& scene, std::span<const Bla
   layout_ = layout;
   result.moved = std::move(stale);
   return result;
+}
+
+void InstanceSet::link(const Scene& scene, std::span<const std::unique_ptr<LateUpdate>> late) {
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    views_[i].mesh.late = nullptr;
+    const auto& update = late[scene.instances()[ids_[i]].mesh];
+    // A baked instance has vertices and a tree of its own, which do not wait.
+    if (update != nullptr && !baked_.contains(ids_[i])) update->show_in(views_[i]);
+  }
 }
 
 const Mesh& InstanceSet::mesh(const Scene& scene, std::size_t i) const {

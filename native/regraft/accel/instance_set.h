@@ -12,6 +12,8 @@
 
 namespace regraft::accel {
 
+class LateUpdate;
+
 /// The instances rays can meet, ready to be traced: visible, placed by a usable matrix, with a
 /// mesh that has something to hit. In ascending order of instance id.
 ///
@@ -42,6 +44,10 @@ class InstanceSet {
   /// Tells the set where the top tree ended up, so that it notices when the scene has wandered
   /// too far from `origin()` for float coordinates.
   void note_bounds(const Aabb& top);
+
+  /// Shows the instances of meshes whose trees are behind what will be done about it; `late` by
+  /// mesh id, null where nothing is.
+  void link(const Scene& scene, std::span<const std::unique_ptr<LateUpdate>> late);
 
   std::span<const trace::InstanceView> views() const { return views_; }
   /// From the frame of `mesh(i)` to the world relative to `origin()`.

@@ -99,6 +99,8 @@ class KeptTree {
   const void* wide_nodes() const;
   /// Where rays mark the wide nodes that they enter; read by the next `refit`.
   std::uint8_t* entered() const { return marks_.entered(); }
+  /// Whether any entered since the last `refit` or `build`.
+  bool was_entered() const { return marks_.any(); }
   /// Where sampled rays count the nodes and triangles that they visit.
   std::uint64_t* work() const { return work_.data(); }
   /// That count since it was last taken.

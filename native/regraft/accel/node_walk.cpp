@@ -106,6 +106,7 @@ class NodeWalk {
 
 NodeBatch Accelerator::nodes_at(std::uint32_t depth) const {
   if (state_->kdtree.tree() != nullptr) return {};
+  state_->finish_late();
   const bool two_level = state_->last_options.layout == Layout::two_level;
   return NodeWalk(state_->tlas, state_->instances, two_level, state_->updates).at_depth(depth);
 }

@@ -143,11 +143,12 @@ Quality Accelerator::quality(const Scene& scene, bool fresh, Executor& executor)
   if (state.tlas.bounds().empty()) return q;
   if (state.kdtree.tree() != nullptr)
     return whole_kdtree(state.kdtree, state.bytes_without_kdtree, executor);
+  state.finish_late();
   q.sah_cost = state.tlas.sah_cost(state.instances);
   q.culling_efficiency = state.tlas.culling_efficiency(state.instances);
   q.origin_cost =
       origin_cost(state.tlas, state.instances, state.last_options.layout == Layout::two_level);
-  q.cost_ratio = state.last.cost_ratio;
+  q.cost_ratio = state.cost_ratio();
   q.epo = end_point_overlap(scene, state.instances, state.tlas,
                             state.last_options.layout == Layout::flat);
   for (std::size_t i = 0; i < state.instances.views().size(); ++i)

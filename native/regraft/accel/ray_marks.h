@@ -25,6 +25,8 @@ class RayMarks {
   void tell_changes(const bvh::WideBvh& wide, bool is_known, bvh::LivingBvh& tree,
                     std::vector<std::uint32_t>& changed);
 
+  /// Whether rays entered the tree.
+  bool any() const { return !entered_.empty() && entered_[0] != 0; }
   std::uint8_t* entered() const { return entered_.data(); }
   std::size_t bytes() const { return entered_.capacity() + told_.capacity(); }
 

@@ -26,6 +26,9 @@ struct UpdateStatistics {
   std::vector<double> predicted_benefits;
   std::vector<double> realised_savings;
   double select_ms = 0.0;  ///< choosing pairs and restructuring them
+  /// Trees brought up to date only when rays came near, and how long the threads of these took.
+  std::uint64_t late_updates = 0;
+  double late_update_ms = 0.0;
   double culling_efficiency = 0.0;
   double cost_ratio = 1.0;
   std::uint64_t kdtree_nodes = 0;

@@ -73,6 +73,8 @@ accel::UpdateStatistics reported(accel::UpdateStatistics s) {
   s.nodes_refitted = s.nodes_rebuilt = s.pairs_considered = s.pairs_restructured = 0;
   s.predicted_benefits = s.realised_savings = {};
   s.select_ms = 0.0;
+  s.late_updates = 0;
+  s.late_update_ms = 0.0;
   s.left_out = {"nothing changed since the last frame: no update"};
   return s;
 }
@@ -111,6 +113,7 @@ Frame Renderer::render(const Camera& camera, const RenderSettings& settings) {
   frame.passes = loop.take_images();
   static_cast<accel::UpdateStatistics&>(frame.statistics) = last_update_;
   accelerator_.count_kdtree(frame.statistics);
+  accelerator_.count_late(frame.statistics);
   last_update_ = reported(std::move(last_update_));
   set_counts(loop.tally().rays, frame.statistics);
   accelerator_.note_rays(frame.statistics.rays_primary + frame.statistics.rays_shadow +

@@ -8,6 +8,7 @@
 #include "regraft/bvh/bvh.h"
 #include "regraft/bvh/wide_bvh.h"
 #include "regraft/kdtree/kdtree.h"
+#include "regraft/trace/late_tree.h"
 #include "regraft/trace/point_triangle.h"
 
 namespace regraft::trace {
@@ -39,6 +40,10 @@ struct Stack {
   void push(const Candidate& c) { entries[count++] = c; }
   Candidate pop() { return entries[--count]; }
 };
+
+void come_near(const InstanceView& instance) {
+  if (instance.mesh.late != nullptr) instance.mesh.late->arrive();
+}
 
 double box_distance(const Vec3d& p, const Vec3d& lo, const Vec3d& hi) {
   Vec3d away;
@@ -188,6 +193,7 @@ class Search {
   template <int W>
   void below(const Frame& frame) {
     const InstanceView& instance = *frame.of;
+    come_near(instance);
     if (instance.mesh.nodes == nullptr) return;
     const double margin = slack * (largest(frame.p) + instance.mesh.magnitude);
     walk<W>(instance.mesh.nodes, frame.p, frame.stretch, margin,
@@ -258,6 +264,7 @@ PointHit closest_point_brute_force(const TraceView& view, const Vec3d& p, double
   for (std::uint32_t i = 0; i < view.instance_count; ++i) {
     const InstanceView& instance = view.instances[i];
     const Frame frame(instance, p);
+    come_near(instance);
     const std::uint32_t* prims = instance.mesh.prim_ids;
     for (std::uint32_t k = 0; k < instance.mesh.prim_count; ++k)
       search.try_triangle(frame, prims == nullptr ? k : prims[k]);

@@ -208,6 +208,7 @@ class PacketTracer {
   void enter_instance(const InstanceView& instance, std::uint64_t mask) {
     const std::uint64_t remapped = make_local_packet<R>(rays_, top_, instance, mask, local_);
     if (mask == 0) return;
+    come_near(instance);
     if (local_.together && going_ == Going::together && std::popcount(mask) >= single_below) {
       instance_packet(instance, mask);
       return;
@@ -289,8 +290,9 @@ class PacketTracer {
       SlabRay top;
       extract_slabs(top_, i, top);
       LocalRay ray;
-      if (make_local(load_ray(rays_, std::uint32_t(i)), top, instance, ray))
-        single_in_mesh(ray, instance, 0, i);
+      if (!make_local(load_ray(rays_, std::uint32_t(i)), top, instance, ray)) continue;
+      come_near(instance);
+      single_in_mesh(ray, instance, 0, i);
     }
   }
 

@@ -99,10 +99,11 @@ struct BruteForce {
       Work work;
       Nearest nearest{ray.t_far, 0xFFFFFFFFu, 0xFFFFFFFFu, 0.0f, 0.0f};
       for (std::uint32_t n = 0; n < view.instance_count && valid(ray); ++n) {
-        const MeshView& mesh = view.instances[n].mesh;
+        const InstanceView& instance = view.instances[n];
         LocalRay local;
-        if (mesh.prim_count != 0 && make_local(ray, top, view.instances[n], local))
-          test_all(local, view.instances[n], nearest, work);
+        if (!make_local(ray, top, instance, local)) continue;
+        come_near(instance);
+        test_all(local, instance, nearest, work);
       }
       store_hit(hits, i, nearest);
       count(counters, work);

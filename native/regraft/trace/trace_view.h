@@ -8,6 +8,8 @@ class KdTree;
 
 namespace regraft::trace {
 
+class LateTree;
+
 /// Of so many packets one tells meshes what work it did in them.
 inline constexpr std::uint32_t sample_every = 4;
 
@@ -20,6 +22,8 @@ struct MeshView {
   /// Receives the nodes and triangles that sampled packets visited in this mesh. Written by all
   /// threads, read by the next update.
   std::uint64_t* work = nullptr;
+  /// Not null: the tree may be behind; what is told of it here holds after `LateTree::arrive`.
+  LateTree* late = nullptr;
   const std::uint32_t* prim_ids = nullptr;  ///< null: all triangles, in order
   std::uint32_t prim_count = 0;
   float magnitude = 0.0f;  ///< largest |coordinate| of the root's box
@@ -50,7 +54,8 @@ struct FlatPrim {
   std::uint32_t prim_id;
 };
 
-/// Everything a query reads; constant while rays are traced, but for what they entered.
+/// Everything a query reads; constant while rays are traced, but for what they entered, and for
+/// trees that they come near to.
 ///
 /// A hit is defined by (ray, instance, triangle) alone: the ray is taken to object space in
 /// double, rounded to float once, and tested there. Trees only leave out what cannot be hit, so

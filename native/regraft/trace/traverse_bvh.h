@@ -6,6 +6,7 @@
 
 #include "regraft/bvh/wide_bvh.h"
 #include "regraft/trace/hit.h"
+#include "regraft/trace/late_tree.h"
 #include "regraft/trace/triangle.h"
 
 namespace regraft::trace::REGRAFT_SIMD_NAMESPACE {
@@ -36,6 +37,12 @@ struct Work {
 REGRAFT_INLINE void tell(const MeshView& mesh, std::uint64_t work) {
   if (mesh.work == nullptr) return;
   std::atomic_ref<std::uint64_t>(*mesh.work).fetch_add(work, std::memory_order_relaxed);
+}
+
+/// To be called when rays have come to an instance's box, before its mesh's tree is looked at.
+REGRAFT_INLINE void come_near(const InstanceView& instance) {
+  if (instance.mesh.late != nullptr) [[unlikely]]
+    instance.mesh.late->arrive();
 }
 
 /// Which slots the ray enters in [start, limit]; `near` receives where.
@@ -237,8 +244,9 @@ REGRAFT_INLINE bool trace_top(const TraceView& view, const WorldRay& world, cons
             }
             for (std::uint32_t i = 0; i < count && !found; ++i) {
               const InstanceView& instance = view.instances[view.top_prims[begin + i]];
-              if (make_local(world, top, instance, local))
-                found = trace_mesh<W, AnyHit>(local, instance, 0, nearest, work);
+              if (!make_local(world, top, instance, local)) continue;
+              come_near(instance);
+              found = trace_mesh<W, AnyHit>(local, instance, 0, nearest, work);
             }
             limit = nearest.t;
             return found;

@@ -31,6 +31,11 @@ _WORK = (
         "{nodes_rebuilt:,} rebuilt, {pairs_restructured:,} of {pairs_considered:,} pairs mended",
         ("nodes_refitted", "nodes_rebuilt", "pairs_considered"),
     ),
+    (
+        "late: {late_updates:,} trees brought up to date when rays came near, in "
+        "{late_update_ms:.1f} ms",
+        ("late_updates",),
+    ),
     ("k-d tree: {kdtree_nodes:,} nodes built", ("kdtree_nodes",)),
     (
         "rays: {rays_primary:,} primary, {rays_shadow:,} shadow, {rays_secondary:,} secondary",

@@ -2,11 +2,13 @@
 
 Every omission is a made scene that is drawn twice. One side lets the library leave something out;
 the other makes it do that work by something which no ray can tell: a vertex that no triangle uses,
-a mesh behind the camera, a light too faint for any pixel. Pictures must be the same bit for bit.
+a mesh behind the camera, a ray of which nobody asks what it hit, a light too faint for any pixel.
+Pictures must be the same bit for bit.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
@@ -25,6 +27,7 @@ _SUN = regraft.Light("sun", direction=(0.3, 0.5, -0.8), energy=3.0)
 # Beside the ambient light of any pixel this is less than half an ulp.
 _FAINT = replace(_SUN, energy=1e-12, direction=(-0.3, 0.5, -0.8))
 _AMBIENT = (0.2, 0.2, 0.2)
+_WAITING = re.compile(r"(\d+) bytes of trees wait")
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,8 @@ class Settings:
 
 @dataclass(frozen=True)
 class Drawn:
-    """A frame: its picture as bits, and the bytes that had to be handed over or kept for it."""
+    """A frame: its picture as bits, and the bytes that had to be handed over or kept for it, but
+    for those of trees that were left behind."""
 
     picture: bytes
     bytes: int
@@ -90,12 +94,20 @@ class _Landscape:
         points[:, 2] *= 1.0 + 0.01 * frame
         self.scene.set_vertices(mesh, points)
 
-    def draw(self, **update: Any) -> Drawn:
-        """Brings the trees up to date, and draws."""
+    def look_behind(self) -> None:
+        """Sends a ray to the mesh behind the camera."""
+        eye, back = self.camera.matrix[:3, 3], self.camera.matrix[:3, 2]
+        self.scene.closest_hit(eye[None], back[None])
+
+    def draw(self, look: Callable[[], None] | None = None, **update: Any) -> Drawn:
+        """Brings the trees up to date, and draws after a `look`."""
         self.scene.update(**update)
+        if look is not None:
+            look()
         frame = render(self.scene, self.camera, self.settings.size)
         handed, self.handed = self.handed, 0
-        kept = frame.statistics.memory_bytes
+        waiting = filter(None, map(_WAITING.search, frame.statistics.left_out))
+        kept = frame.statistics.memory_bytes - sum(int(match[1]) for match in waiting)
         return Drawn(frame.passes["combined"].tobytes(), handed + kept)
 
 
@@ -150,7 +162,18 @@ def _hidden(settings: Settings, omit: bool) -> Side:
 
     def draw(frame: int) -> Drawn:
         land.deform(mesh, frame)
-        return land.draw()
+        return land.draw(None if omit else land.look_behind)
+
+    return draw
+
+
+def _far(settings: Settings, omit: bool) -> Side:
+    land = _Landscape(settings)
+    mesh, _ = land.behind()
+
+    def draw(frame: int) -> Drawn:
+        land.deform(mesh, frame)
+        return land.draw(None if omit else land.look_behind)
 
     return draw
 
@@ -228,7 +251,8 @@ OMISSIONS = (
     Omission("still scene: no update", "an unused vertex moves", _still),
     Omission("camera alone moves: no update", "an unused vertex moves", _camera_only),
     Omission("rigid motion: no refit", "an unused vertex moves", _rigid),
-    Omission("hidden mesh deforms: not updated", "it is behind the camera instead", _hidden),
+    Omission("hidden mesh deforms: not updated", "a ray meets it behind the camera", _hidden),
+    Omission("no ray near a mesh: only bounded", "a ray meets it behind the camera", _far),
     Omission("flat shading: no normals", "a mesh behind the camera is smooth", _normals),
     Omission("no second light: no shadow rays to it", "there is one too faint to see", _lights),
     Omission("opaque materials: no alpha tests", "one triangle behind is not", _opaque),
