@@ -62,7 +62,7 @@ TreeWork Blas::update(const Mesh& mesh, bool topology_changed, Layout layout, co
                       Executor& executor) {
   const bool other_prims = !exists_ || only_bounded_ || topology_changed || revived(mesh);
   if (other_prims) moved_.reset(mesh);
-  motion_ = other_prims ? Motion{} : moved_.take(mesh);
+  motion_ = other_prims ? Motion{} : moved_.take(mesh, executor);
   // Who is lost is only counted, not listed: some were, so all are looked at.
   if (lost_ != 0) motion_ = {};
   TreeWork work;

@@ -137,7 +137,7 @@ bool KeptTree::touch(const Motion& motion, const Tending& how, Executor& executo
     std::vector<std::uint32_t> pairs;
     marks_.tell_changes(wide_, how.traced, tree_, pairs);
     for (const std::uint32_t pair : pairs) local_.touch_pair(pair);
-    for (const std::uint32_t prim : motion.prims) local_.touch_prim(prim);
+    local_.touch_prims(motion.prims, executor);
   } else {
     marks_.tell(wide_, how.traced, tree_, executor);
     local_.touch_all();

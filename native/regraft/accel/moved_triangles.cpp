@@ -27,18 +27,35 @@ void MovedTriangles::reset(const Mesh& mesh) {
   revision_ = mesh.revision;
 }
 
-void MovedTriangles::list(const Mesh& mesh) {
+/// Sorts by counting: each run of triangles counts for itself, and so knows where its own go.
+void MovedTriangles::list(const Mesh& mesh, Executor& executor) {
+  constexpr std::size_t runs = 16;
+  const std::size_t length = mesh.triangles.size() / runs + 1;
+  std::vector<std::vector<std::uint32_t>> next(runs);
+  const auto for_each_run = [&](const auto& body) {
+    executor.parallel_for(runs, 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t run = first; run < last; ++run) {
+        const std::size_t end = std::min((run + 1) * length, mesh.triangles.size());
+        for (std::size_t t = run * length; t < end; ++t)
+          for_each_block(mesh.triangles[t],
+                         [&](std::uint32_t block) { body(next[run][block], std::uint32_t(t)); });
+      }
+    });
+  };
   begin_.assign(mesh.block_revisions.size() + 1, 0);
-  for (const Triangle& corners : mesh.triangles)
-    for_each_block(corners, [&](std::uint32_t block) { ++begin_[block + 1]; });
-  for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
-  triangles_.resize(begin_.back());
-  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for_each_block(mesh.triangles[t], [&](std::uint32_t block) { triangles_[next[block]++] = t; });
+  for (std::vector<std::uint32_t>& counts : next) counts.assign(begin_.size() - 1, 0);
+  for_each_run([](std::uint32_t& count, std::uint32_t) { ++count; });
+  std::uint32_t sum = 0;
+  for (std::size_t block = 0; block + 1 < begin_.size(); ++block) {
+    begin_[block] = sum;
+    for (std::vector<std::uint32_t>& counts : next) sum += std::exchange(counts[block], sum);
+  }
+  begin_.back() = sum;
+  triangles_.resize(sum);
+  for_each_run([&](std::uint32_t& place, std::uint32_t t) { triangles_[place++] = t; });
 }
 
-Motion MovedTriangles::take(const Mesh& mesh) {
+Motion MovedTriangles::take(const Mesh& mesh, Executor& executor) {
   const std::uint32_t since = std::exchange(revision_, mesh.revision);
   const std::vector<std::uint32_t>& blocks = mesh.block_revisions;
   if (blocks.empty() || mesh.triangles.size() < smallest) return {};
@@ -46,7 +63,7 @@ Motion MovedTriangles::take(const Mesh& mesh) {
   std::size_t count = 0;
   for (std::size_t b = 0; b < blocks.size(); ++b) count += is_moved_[b] = blocks[b] > since;
   if (count * few_share > blocks.size()) return {};
-  if (begin_.empty()) list(mesh);
+  if (begin_.empty()) list(mesh, executor);
   moved_.clear();
   for (std::uint32_t b = 0; b < blocks.size(); ++b) {
     if (is_moved_[b] == 0) continue;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "regraft/accel/motion.h"
+#include "regraft/core/executor.h"
 #include "regraft/scene/mesh.h"
 
 namespace regraft::accel {
@@ -18,12 +19,12 @@ class MovedTriangles {
 
   /// What has moved since this or `reset` was last called; valid until either is called again.
   /// O(blocks of vertices), and O(1) for each triangle that hangs on one that moved.
-  Motion take(const Mesh& mesh);
+  Motion take(const Mesh& mesh, Executor& executor);
 
   std::size_t bytes() const;
 
  private:
-  void list(const Mesh& mesh);
+  void list(const Mesh& mesh, Executor& executor);
 
   std::uint32_t revision_ = 0;
   /// Triangles by block of vertices, ascending, once in each block; where a block's begin.

@@ -1,6 +1,7 @@
 #include "regraft/bvh/local_refit.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "regraft/core/growth.h"
 
@@ -53,8 +54,11 @@ void LocalRefit::touch_all() {
   is_summed_ = false;
 }
 
-void LocalRefit::touch_prim(std::uint32_t prim) {
-  if (prim < leaf_of_.size() && leaf_of_[prim] != none) climb(leaf_of_[prim]);
+void LocalRefit::touch_prims(std::span<const std::uint32_t> prims, Executor& executor) {
+  executor.parallel_for(prims.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (const std::uint32_t prim : prims.subspan(begin, end - begin))
+      if (prim < leaf_of_.size() && leaf_of_[prim] != none) climb(leaf_of_[prim]);
+  });
 }
 
 void LocalRefit::touch_pair(std::uint32_t pair) {
@@ -63,13 +67,14 @@ void LocalRefit::touch_pair(std::uint32_t pair) {
   if (!is_known) climb(above_[pair]);
 }
 
-/// Marks a node, and the way to it from the root as far as it is not marked yet.
+/// Marks a node, and the way to it from the root as far as it is not marked yet: whoever marked a
+/// pair first, perhaps in another thread, goes on upwards.
 void LocalRefit::climb(std::uint32_t node) {
   while (node != 0) {
-    std::uint8_t& mark = marks_[node >> 1];
-    const bool is_known = mark != 0;
-    mark |= std::uint8_t(first_child << (node & 1));
-    if (is_known) return;
+    const auto bit = std::uint8_t(first_child << (node & 1));
+    const std::atomic_ref<std::uint8_t> mark(marks_[node >> 1]);
+    const std::uint8_t before = mark.load(std::memory_order_relaxed);
+    if ((before & bit) != 0 || mark.fetch_or(bit, std::memory_order_relaxed) != 0) return;
     node = above_[node >> 1];
   }
 }

@@ -31,8 +31,8 @@ class LocalRefit {
 
   /// Everything is to be done.
   void touch_all();
-  /// The box of a primitive has changed; nothing is done for one that is in no leaf.
-  void touch_prim(std::uint32_t prim);
+  /// The boxes of these primitives have changed; nothing is done for one that is in no leaf.
+  void touch_prims(std::span<const std::uint32_t> prims, Executor& executor);
   /// Metrics of the node above a pair are to be taken anew.
   void touch_pair(std::uint32_t pair);
 

@@ -31,7 +31,7 @@ TEST(MovedTriangles, AreThoseOnBlocksThatMovedAndEachIsListedOnce) {
     const std::vector<Vec3> before = g.vertices;
     shake(g.vertices, first, 50, random);
     scene.set_vertices(id, g.vertices);
-    const accel::Motion motion = moved.take(scene.meshes()[id]);
+    const accel::Motion motion = moved.take(scene.meshes()[id], pool(2));
     ASSERT_FALSE(motion.all);
     const std::set<std::uint32_t> listed(motion.prims.begin(), motion.prims.end());
     EXPECT_EQ(listed.size(), motion.prims.size());
@@ -47,9 +47,9 @@ TEST(MovedTriangles, AreThoseOnBlocksThatMovedAndEachIsListedOnce) {
       }
     }
   }
-  EXPECT_TRUE(moved.take(scene.meshes()[id]).prims.empty()) << "nothing since";
+  EXPECT_TRUE(moved.take(scene.meshes()[id], pool(2)).prims.empty()) << "nothing since";
   scene.set_vertices(id, g.scaled(2.0).vertices);
-  EXPECT_TRUE(moved.take(scene.meshes()[id]).all);
+  EXPECT_TRUE(moved.take(scene.meshes()[id], pool(2)).all);
 }
 
 /// A sphere of which now a few vertices move, now many, now none, now one is lost, and two

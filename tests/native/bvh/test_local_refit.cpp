@@ -18,7 +18,7 @@ struct Followed {
 
   explicit Followed(std::size_t count)
       : part(random_boxes(count, 1)), whole(random_boxes(count, 1)) {
-    local.link(part.tree.bvh, pool(2));
+    local.link(part.tree.bvh, pool(part.threads));
     local.touch_all();
     follow({});
   }
@@ -37,7 +37,7 @@ struct Followed {
   }
 
   RefitResult follow(const std::vector<std::uint32_t>& moved) {
-    for (const std::uint32_t prim : moved) local.touch_prim(prim);
+    local.touch_prims(moved, pool(part.threads));
     part.now = local.run(
         part.tree, [&](std::uint32_t i) { return bvh::Box4(part.boxes.boxes[i]); },
         pool(part.threads));
