@@ -206,6 +206,10 @@ UpdateStatistics Accelerator::update(const Scene& scene, const ChangeSet& change
   count_kdtree(s);
   state.list_left_out(scene, changes, plan, s);
   if (options.policy == Policy::automatic && !kdtree) s.left_out.push_back(reason(work));
+  if (work.pairs_deferred != 0)
+    s.left_out.push_back(std::to_string(work.pairs_deferred) +
+                         " damaged pairs of nodes wait for the next update: mending takes a share "
+                         "of a frame only");
   if (work.edited != 0)
     s.left_out.push_back(std::to_string(work.edited) +
                          (options.layout == Layout::flat ? " triangles" : " instances") +

@@ -45,6 +45,7 @@ void TreeWork::add(const TreeWork& other) {
   nodes_refitted += other.nodes_refitted;
   nodes_rebuilt += other.nodes_rebuilt;
   pairs_considered += other.pairs_considered;
+  pairs_deferred += other.pairs_deferred;
   edited += other.edited;
   operations.insert(operations.end(), other.operations.begin(), other.operations.end());
   select_ms += other.select_ms;
@@ -228,6 +229,7 @@ void KeptTree::restructure(const bvh::PrimBoxes& boxes,
   work.select_ms +=
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   work.pairs_considered += result.pairs_considered;
+  work.pairs_deferred += result.pairs_deferred;
   work.nodes_rebuilt += result.nodes_rebuilt;
   if (how.policy != Policy::lm) learn(result.operations);
   look_.price += how.costs.refine * double(result.pairs_considered) +

@@ -25,6 +25,7 @@ struct TreeWork {
   std::uint64_t nodes_refitted = 0;
   std::uint64_t nodes_rebuilt = 0;
   std::uint64_t pairs_considered = 0;
+  std::uint64_t pairs_deferred = 0;  ///< worth mending, but left for the next update
   std::uint64_t edited = 0;  ///< primitives put in or taken out without building a tree anew
   /// Tried pairs: expected tests of a frame that were to be saved, and that were.
   std::vector<bvh::Restructured> operations;

@@ -117,7 +117,12 @@ RestructureResult restructure(LivingBvh& tree, const PrimBoxes& boxes, const Out
     result.rebuild_instead = true;
     return result;
   }
-  if (cost > outlook.budget) chosen = choose(tree, pairs, outlook.budget, cost);
+  if (cost > outlook.budget) {
+    const std::size_t wanted = chosen.size();
+    chosen = choose(tree, pairs, outlook.budget, cost);
+    // Refinements that take the place of a pair may be more than there were.
+    result.pairs_deferred = std::max<std::size_t>(wanted, chosen.size() + 1) - chosen.size();
+  }
   regraft_all(tree, chosen, boxes, builder, executor, result);
   for (Restructured& operation : result.operations) operation.predicted *= outlook.yield / weight;
   return result;

@@ -26,6 +26,8 @@ struct Restructured {
 
 struct RestructureResult {
   std::uint64_t pairs_considered = 0;
+  /// Pairs that would have been restructured, had the budget been larger.
+  std::uint64_t pairs_deferred = 0;
   std::uint64_t nodes_rebuilt = 0;
   std::vector<Restructured> operations;
   /// By how much building the top anew made C(root) fall, with everything seen.

@@ -115,6 +115,19 @@ TEST(SelectiveRestructure, ExampleTwoFromAGoodPose) {
   check_e2(t);
 }
 
+TEST(SelectiveRestructure, WhatTheBudgetDoesNotCoverIsCounted) {
+  // A corner in two parts costs 10·2·log2(2) = 20, one in four 80.
+  for (const double budget : {30.0, 200.0}) {
+    Living t(both_paired, eight());
+    t.move(both_crossed);
+    t.outlook.rays = 2000;
+    t.outlook.budget = budget;
+    const auto result = t.restructure();
+    EXPECT_EQ(result.operations.size(), budget > 150.0 ? 2u : 1u);
+    EXPECT_EQ(result.pairs_deferred, budget > 150.0 ? 0u : 1u);
+  }
+}
+
 TEST(SelectiveRestructure, OneThreadAndManyDoTheSame) {
   const Boxes start = random_boxes(3000, 1, 1.0, 0.02);
   Living one(start), many(start);
