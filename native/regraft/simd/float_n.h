@@ -96,6 +96,14 @@ REGRAFT_INLINE Float<N> max(const Float<N>& a, const Float<N>& b) {
   return r;
 }
 
+/// Clears the sign bit, of a NaN too.
+template <int N>
+REGRAFT_INLINE Float<N> abs(const Float<N>& a) {
+  Float<N> r;
+  for (int i = 0; i < N; ++i) r.lane[i] = std::fabs(a.lane[i]);
+  return r;
+}
+
 template <int N>
 REGRAFT_INLINE float lowest_lane(const Float<N>& a) {
   alignas(64) float lane[N];
@@ -161,6 +169,9 @@ REGRAFT_INLINE Float<4> min(Float<4> a, Float<4> b) {
 REGRAFT_INLINE Float<4> max(Float<4> a, Float<4> b) {
   return _mm_max_ps(a.v, b.v);
 }
+REGRAFT_INLINE Float<4> abs(Float<4> a) {
+  return _mm_andnot_ps(_mm_set1_ps(-0.0f), a.v);
+}
 #endif
 
 #if defined(__AVX2__) && !defined(REGRAFT_SIMD_SCALAR)
@@ -202,6 +213,9 @@ REGRAFT_INLINE Float<8> min(Float<8> a, Float<8> b) {
 }
 REGRAFT_INLINE Float<8> max(Float<8> a, Float<8> b) {
   return _mm256_max_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<8> abs(Float<8> a) {
+  return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v);
 }
 #endif
 
@@ -245,6 +259,9 @@ REGRAFT_INLINE Float<16> min(Float<16> a, Float<16> b) {
 }
 REGRAFT_INLINE Float<16> max(Float<16> a, Float<16> b) {
   return _mm512_max_ps(a.v, b.v);
+}
+REGRAFT_INLINE Float<16> abs(Float<16> a) {
+  return _mm512_andnot_ps(_mm512_set1_ps(-0.0f), a.v);
 }
 #endif
 

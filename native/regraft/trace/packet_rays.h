@@ -229,13 +229,11 @@ REGRAFT_INLINE std::uint64_t to_object(const InstanceView& instance, const RayPa
 /// Rays by the axis of their largest |direction|, chosen as in `set_shear`.
 template <int R>
 REGRAFT_INLINE void set_axes(LocalPacket& local) {
-  const Float<R> zero(0.0f);
   local.kz_is[0] = local.kz_is[1] = 0;
   for (int base = 0; base < lanes_all; base += R) {
     Float<R> size[3];
     for (int k = 0; k < 3; ++k) {
-      const Float<R> d = Float<R>::load(local.direction[k] + base);
-      size[k] = max(d, zero - d);
+      size[k] = abs(Float<R>::load(local.direction[k] + base));
     }
     const LaneBits x = (size[0] >= size[1]) & (size[0] >= size[2]);
     local.kz_is[0] |= std::uint64_t(x) << base;

@@ -53,16 +53,16 @@ struct EdgeTest {
     w = x[1] * y[0] - y[1] * x[0];
     det = (u + v) + w;
     const Float<N> zero(0.0f);
-    const LaneBits doubtful =
-        ((u == zero) | (v == zero) | (w == zero) | ~((det < zero) | (zero < det))) & all;
+    // The determinant comes last: a NaN among the others makes it one, and is kept only there.
+    const Float<N> least = min(min(min(abs(u), abs(v)), abs(w)), abs(det));
+    const LaneBits doubtful = ~(zero < least) & all;
     if (doubtful != 0) redo_signs(x, y, doubtful);
-    const LaneBits negative = (u < zero) | (v < zero) | (w < zero);
-    const LaneBits positive = (zero < u) | (zero < v) | (zero < w);
-    hit = ~(negative & positive) & ((det < zero) | (zero < det));
+    const Float<N> lowest = min(min(u, v), w), highest = max(max(u, v), w);
+    hit = ~((lowest < zero) & (zero < highest)) & (zero < abs(det));
     if (hit == 0) return;
     t = (((u * z[0] + v * z[1]) + w * z[2]) / det) * sz;
-    const Conditioning conditioning(x, y, z, max(det, zero - det));
-    hit &= ~too_early(t + conditioning.error * max(sz, zero - sz)) | doubtful;
+    const Conditioning conditioning(x, y, z, abs(det));
+    hit &= ~too_early(t + conditioning.error * abs(sz)) | doubtful;
     const LaneBits rough = hit & (doubtful | conditioning.ill);
     if (rough != 0) redo_point(x, y, z, sz, rough);
   }

@@ -14,6 +14,7 @@ struct Lanes {
   Compare less, less_equal, equal, greater, greater_equal;
   void (*broadcast)(float x, float* result);
   std::uint32_t (*sign_bits)(const float* a);
+  void (*abs)(const float* a, float* result);
   float (*lowest_lane)(const float* a);
   float (*highest_lane)(const float* a);
 };

@@ -26,12 +26,13 @@ struct Ops {
   static std::uint32_t greater_equal(const float* a, const float* b) { return get(a) >= get(b); }
   static void broadcast(float x, float* r) { F(x).store(r); }
   static std::uint32_t signs(const float* a) { return sign_bits(get(a)); }
+  static void size(const float* a, float* r) { abs(get(a)).store(r); }
   static float lowest(const float* a) { return lowest_lane(get(a)); }
   static float highest(const float* a) { return highest_lane(get(a)); }
 
   static constexpr Lanes table() {
-    return {N,          add,   subtract, multiply,      divide,    least, most,   less,
-            less_equal, equal, greater,  greater_equal, broadcast, signs, lowest, highest};
+    return {N,     add,     subtract,      multiply,  divide, least, most,   less,   less_equal,
+            equal, greater, greater_equal, broadcast, signs,  size,  lowest, highest};
   }
 };
 

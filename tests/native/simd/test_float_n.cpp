@@ -129,6 +129,18 @@ TEST_P(FloatN, SignBitsSeeZerosAndNaNsToo) {
     });
 }
 
+TEST_P(FloatN, AbsClearsTheSignOfEveryValue) {
+  for (const Lanes& lanes : instructions(GetParam()).lanes)
+    for_all_pairs(lanes.width, [&](const float* a, const float*) {
+      float result[16];
+      lanes.abs(a, result);
+      for (int i = 0; i < lanes.width; ++i) {
+        ASSERT_TRUE(same(result[i], std::fabs(a[i]))) << a[i];
+        ASSERT_FALSE(std::signbit(result[i])) << a[i];
+      }
+    });
+}
+
 TEST_P(FloatN, LowestAndHighestLaneAreThoseOfAllLanes) {
   for (const Lanes& lanes : instructions(GetParam()).lanes)
     for (int at = 0; at < lanes.width; ++at) {
