@@ -3,16 +3,24 @@
 #include "args.h"
 #include "bindings.h"
 #include "hit_batch.h"
+#include "ray_order.h"
 
 namespace regraft::bindings {
 
 namespace {
 
+void sort(RayBatch& batch, AlignedVector<bvh::KeyedId>& order, SceneHandle& self) {
+  const py::gil_scoped_release no_gil;
+  sort_rays(batch, order, self.renderer.executor());
+}
+
 template <Search search>
 HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& directions,
                      const LimitArg& t_near, const LimitArg& t_far) {
-  const RayArrays rays = ray_arrays(origins, directions, t_near, t_far);
+  RayArrays rays = ray_arrays(origins, directions, t_near, t_far);
   const Tracing tracing(self);
+  AlignedVector<bvh::KeyedId> order;
+  if (search == Search::trees) sort(rays.batch, order, self);
   HitBatch hits(rays.origins.shape(0));
   const HitArrays arrays = hits.arrays();
   const Scene& scene = self.renderer.scene();
@@ -27,8 +35,10 @@ HitBatch closest_hit(SceneHandle& self, const RealsArg& origins, const RealsArg&
 
 BoolArray any_hit(SceneHandle& self, const RealsArg& origins, const RealsArg& directions,
                   const LimitArg& t_near, const LimitArg& t_far) {
-  const RayArrays rays = ray_arrays(origins, directions, t_near, t_far);
+  RayArrays rays = ray_arrays(origins, directions, t_near, t_far);
   const Tracing tracing(self);
+  AlignedVector<bvh::KeyedId> order;
+  sort(rays.batch, order, self);
   py::array_t<bool> hit(rays.origins.shape(0));
   bool* out = hit.mutable_data();
   for_blocks(self.renderer.executor(), rays.batch.packet_count(), Sharing{},
@@ -67,8 +77,8 @@ origins, directions: (N, 3) float32 or float64, world frame; directions need not
 vectors.
 t_near, t_far: a number or (N,) float32, in units of the direction's length. Rays that are
 not finite, or whose direction is zero, miss. Among equally near hits the lowest
-(instance_id, prim_id) counts. Neighbouring rays that go the same way are faster. Releases
-the GIL.
+(instance_id, prim_id) counts. Large batches are traced in an order of their own, so theirs
+does not matter. Releases the GIL.
 
 Raises ValueError for another shape or dtype, RuntimeError if the scene changed since its
 last update.)")

@@ -32,32 +32,34 @@ Vec3d row_at(const std::byte* data, std::ptrdiff_t step) {
 }
 
 template <typename T>
-void load(const Rows& rows, std::size_t first, std::uint32_t count,
+void load(const RayBatch& batch, const Rows& rows, std::size_t first, std::uint32_t count,
           double (&out)[3][packet_capacity]) {
-  for (int k = 0; k < 3; ++k) {
-    const std::byte* at =
-        rows.data + static_cast<std::ptrdiff_t>(first) * rows.row_bytes + k * rows.column_bytes;
-    for (std::uint32_t i = 0; i < count; ++i, at += rows.row_bytes) out[k][i] = value_at<T>(at);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto row = static_cast<std::ptrdiff_t>(batch.ray(first + i));
+    const Vec3d value = row_at<T>(rows.data + row * rows.row_bytes, rows.column_bytes);
+    for (int k = 0; k < 3; ++k) out[k][i] = value[k];
   }
 }
 
-void load(const Rows& rows, std::size_t first, std::uint32_t count,
+void load(const RayBatch& batch, const Rows& rows, std::size_t first, std::uint32_t count,
           double (&out)[3][packet_capacity]) {
   if (rows.is_double) {
-    load<double>(rows, first, count, out);
+    load<double>(batch, rows, first, count, out);
   } else {
-    load<float>(rows, first, count, out);
+    load<float>(batch, rows, first, count, out);
   }
 }
 
-void load(const Limits& limits, std::size_t first, std::uint32_t count,
+void load(const RayBatch& batch, const Limits& limits, std::size_t first, std::uint32_t count,
           float (&out)[packet_capacity]) {
   if (limits.data == nullptr) {
     std::fill_n(out, count, limits.constant);
     return;
   }
-  const std::byte* at = limits.data + static_cast<std::ptrdiff_t>(first) * limits.row_bytes;
-  for (std::uint32_t i = 0; i < count; ++i, at += limits.row_bytes) out[i] = value_at<float>(at);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto row = static_cast<std::ptrdiff_t>(batch.ray(first + i));
+    out[i] = value_at<float>(limits.data + row * limits.row_bytes);
+  }
 }
 
 /// Bit i is set if ray i is finite and goes somewhere. Zero times a number is NaN unless that is
@@ -120,10 +122,10 @@ std::size_t RayBatch::packet_count() const {
 void RayBatch::pack(std::size_t p, RayPacket& rays) const {
   const std::size_t first = p * packet_capacity;
   rays.count = static_cast<std::uint32_t>(std::min<std::size_t>(packet_capacity, count - first));
-  load(origins, first, rays.count, rays.origin);
-  load(directions, first, rays.count, rays.direction);
-  load(t_near, first, rays.count, rays.t_near);
-  load(t_far, first, rays.count, rays.t_far);
+  load(*this, origins, first, rays.count, rays.origin);
+  load(*this, directions, first, rays.count, rays.direction);
+  load(*this, t_near, first, rays.count, rays.t_near);
+  load(*this, t_far, first, rays.count, rays.t_far);
   rays.active = usable_rays(rays);
 }
 
@@ -143,7 +145,7 @@ trace::TraceCounters trace_closest(const RayBatch& batch, const trace::Tracer& t
       tracer.closest_hit_single(rays, hits, counters);
     }
     for (std::uint32_t i = 0; i < rays.count; ++i) {
-      const std::size_t ray = p * packet_capacity + i;
+      const std::size_t ray = batch.ray(p * packet_capacity + i);
       if ((rays.active >> i & 1) != 0 && hits.instance_id[i] != invalid_id) {
         store(hits, i, scene, out, ray);
       } else {
@@ -163,7 +165,7 @@ trace::TraceCounters trace_any(const RayBatch& batch, const trace::Tracer& trace
     const std::uint64_t found =
         coherent(rays) ? tracer.any_hit(rays, counters) : tracer.any_hit_single(rays, counters);
     for (std::uint32_t i = 0; i < rays.count; ++i) {
-      hit[p * packet_capacity + i] = ((found & rays.active) >> i & 1) != 0;
+      hit[batch.ray(p * packet_capacity + i)] = ((found & rays.active) >> i & 1) != 0;
     }
   }
   return counters;

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
+#include "regraft/bvh/radix_sort.h"
 #include "regraft/scene/scene.h"
 #include "regraft/trace/tracer.h"
 
@@ -32,9 +34,16 @@ struct RayBatch {
   Limits t_near;
   Limits t_far;
   std::size_t count = 0;
+  /// Which ray is traced when; empty: as they come.
+  std::span<const bvh::KeyedId> order{};
 
   std::size_t packet_count() const;
-  /// Rays 64 p to 64 p + 63. Those that are not finite, or go nowhere, are not active.
+  /// The ray that is traced at `position`.
+  std::size_t ray(std::size_t position) const {
+    return order.empty() ? position : order[position].id;
+  }
+  /// Those at positions 64 p to 64 p + 63. Those that are not finite, or go nowhere, are not
+  /// active.
   void pack(std::size_t p, trace::RayPacket& rays) const;
 };
 

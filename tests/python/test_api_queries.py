@@ -277,3 +277,21 @@ def test_wrong_rays_are_named(
         scene.closest_hit(*arguments)
     with pytest.raises(ValueError, match=message):
         scene.any_hit(*arguments)
+
+
+def test_the_order_of_a_large_batch_does_not_matter() -> None:
+    scene, _ = crowd()
+    rng = np.random.default_rng(5)
+    origins, directions = rays(rng, 20_000)
+    origins[7, 1], directions[9] = np.nan, 0.0
+    near = rng.random(20_000).astype(np.float32)
+    hits = scene.closest_hit(origins, directions, near)
+    any_hit = scene.any_hit(origins, directions, near)
+    for part in np.split(np.arange(20_000), 4):  # too few to be put in order
+        alone = scene.closest_hit(origins[part], directions[part], near[part])
+        for field in FIELDS:
+            assert np.array_equal(getattr(hits, field)[part], getattr(alone, field)), field
+        assert np.array_equal(
+            any_hit[part], scene.any_hit(origins[part], directions[part], near[part])
+        )
+    assert 0.2 < any_hit.mean() < 0.95

@@ -407,8 +407,8 @@ class Scene:
         vectors.
         t_near, t_far: a number or (N,) float32, in units of the direction's length. Rays that are
         not finite, or whose direction is zero, miss. Among equally near hits the lowest
-        (instance_id, prim_id) counts. Neighbouring rays that go the same way are faster. Releases
-        the GIL.
+        (instance_id, prim_id) counts. Large batches are traced in an order of their own, so theirs
+        does not matter. Releases the GIL.
 
         Raises ValueError for another shape or dtype, RuntimeError if the scene changed since its
         last update.
