@@ -17,7 +17,7 @@ from regraft.cli import bench_peers, native_program, peer_shot_file
 from regraft.cli.console import Console
 from regraft.cli.errors import InputError, SelfCheckError
 from regraft.cli.interrupt import Interrupt
-from regraft.study import local_motion, one_mesh
+from regraft.study import local_motion
 from regraft.study.shot import Shot, ShotWriter
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)
@@ -142,21 +142,3 @@ def test_only_perspectives_are_written(tmp_path: Path) -> None:
         writer.end_frame(1, regraft.Camera("orthographic", np.eye(4)))
     with pytest.raises(InputError, match="orthographic"):
         peer_shot_file.write(Shot(tmp_path), tmp_path / "shot.bin")
-
-
-def test_everything_in_one_mesh_looks_the_same(tmp_path: Path) -> None:
-    shot = moving_shot(tmp_path / "shot")
-    (tmp_path / "flat").mkdir()
-    flat = one_mesh.flatten(shot, tmp_path / "flat")
-    assert flat.frames == shot.frames
-    scenes = [regraft.Scene(threads=1), regraft.Scene(threads=1)]
-    origins = np.array([[0.2, 0.2, 9.0], [1.1, 0.5, 9.0]], np.float32)
-    down = np.tile(np.array([0, 0, -1], np.float32), (2, 1))
-    for position in range(len(shot)):
-        for one, scene in zip((shot, flat), scenes, strict=True):
-            one.apply(position, scene)
-            scene.update()
-        plain, joined = (scene.closest_hit(origins, down).t for scene in scenes)
-        assert np.array_equal(plain, joined)
-    names = [[name for name, _, _ in flat.edits(p)] for p in range(len(flat))]
-    assert names == [["add_mesh", "add_instance"], ["set_vertices"], ["set_vertices"], ["set_mesh"]]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from regraft.cli import (
     bench_kdtree,
+    bench_numpy,
     bench_omissions,
     bench_sync,
     bench_trace,
@@ -31,6 +32,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     _add_sync(kinds)
     bench_update.add_parser(kinds)
     bench_trace.add_parser(kinds)
+    bench_numpy.add_parser(kinds)
     bench_kdtree.add_parser(kinds)
     bench_omissions.add_parser(kinds)
 

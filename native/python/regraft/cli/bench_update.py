@@ -15,7 +15,7 @@ from regraft.cli.errors import EXIT_OK, InputError
 from regraft.cli.interrupt import Interrupt
 from regraft.cli.machine import machine, machine_line, save_result
 from regraft.cli.recording import Recording, recorded
-from regraft.study import aging, aging_table, local_motion, one_mesh, size_scaling
+from regraft.study import aging, aging_table, local_motion, size_scaling
 from regraft.study.shot import Shot
 
 POLICIES, LAYOUTS = (*job.POLICIES, "shot"), job.LAYOUTS
@@ -23,8 +23,6 @@ FILES = tuple(
     Path("blend_files", f"{name}.blend")
     for name in ("explosion", "n_body", "cloth", "robots", "mixed")
 )
-# What is measured as one mesh too.
-MIXED = FILES[-1]
 # Triangles of the made scene, how many of them move, frames.
 LOCAL_MOTION = (1_000_000, 16_000, 40)
 
@@ -37,9 +35,9 @@ def add_parser(kinds: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         description="Replay shots on scenes that differ in policy and layout only, taking turns "
         "frame by frame; print seconds of updating and tracing, the trees' cost beside fresh "
         "ones, and what was mended. Without FILE: explosion, n_body, cloth, robots, mixed from "
-        "blend_files/, the last also as one mesh, and a landscape of 1,000,000 triangles of which "
-        "16,000 move; then what mending costs in landscapes of growing size. With --peers a "
-        "program from `make bench` plays the shots to Embree as well, in each of its ways.",
+        "blend_files/ and a landscape of 1,000,000 triangles of which 16,000 move; then what "
+        "mending costs in landscapes of growing size. With --peers a program from `make bench` "
+        "plays the shots to Embree as well, in each of its ways.",
     )
     parser.set_defaults(run=run)
     parser.add_argument(
@@ -181,9 +179,6 @@ def _shots(
         wanted = Recording(source, args.frames, verbose=args.verbose)
         with recorded(wanted, console, interrupt) as shot:
             yield source.stem, shot
-            if source == MIXED:
-                with tempfile.TemporaryDirectory() as folder:
-                    yield f"{source.stem}, one mesh", one_mesh.flatten(shot, Path(folder))
     if not args.files:
         with tempfile.TemporaryDirectory() as folder:
             yield "local motion", local_motion.make(Path(folder), *LOCAL_MOTION)
