@@ -134,7 +134,12 @@ class Embree final : public Contender {
                    : bench::embree_single(shot_.scene(), set, coherent, begin, end);
   }
   std::size_t bytes(const Scene&) const override {
-    return shot_.bytes() + geometry_.vertices().size_bytes() + geometry_.triangles().size_bytes();
+    if (!is_instanced_)
+      return shot_.bytes() + geometry_.vertices().size_bytes() + geometry_.triangles().size_bytes();
+    std::size_t sum = shot_.bytes();
+    for (const bench::Triangles& mesh : geometry_.meshes())
+      sum += mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(Triangle);
+    return sum;
   }
 
  private:
