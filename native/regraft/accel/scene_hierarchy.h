@@ -21,6 +21,9 @@ namespace regraft::accel {
 /// triangles are taken to the world when they are asked for.
 class SceneHierarchy final : public HierarchyView {
  public:
+  /// Kinds of entries.
+  enum Kind : std::uint32_t { primitive, group_node, mesh_node };
+
   /// Bounds every instance; reads no mesh until it is opened. `seeds` by mesh id; missing ones are
   /// made. All arguments must stay as they are.
   SceneHierarchy(const Scene& scene, const InstanceSet& instances,
@@ -42,8 +45,6 @@ class SceneHierarchy final : public HierarchyView {
   std::size_t bytes() const;
 
  private:
-  enum Kind : std::uint32_t { primitive, group_node, mesh_node };
-
   /// Members of a group: other groups and instances.
   struct GroupTree {
     std::vector<HierarchyEntry> members;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
+#include <set>
 
 #include "kdtree/stand.h"
 #include "regraft/accel/accelerator.h"
@@ -94,6 +95,35 @@ TEST(KdtreeScene, AFreshTreeIsBuiltWhenAskedForOrWhenTheSceneOutgrowsIt) {
   row.update();
   EXPECT_EQ(kdtree::measure(row.tree()).nodes(), 0u);
   EXPECT_EQ(row.differences(5), "");
+}
+
+/// Instances whose meshes were read.
+std::set<std::uint32_t> looked_into(const Watched& watched) {
+  std::set<std::uint32_t> instances;
+  for (const auto& [kind, object, node] : watched.opened())
+    if (kind == accel::SceneHierarchy::mesh_node) instances.insert(object);
+  return instances;
+}
+
+TEST(KdtreeScene, MeshesThatNoRayComesNearAreBoundedAndNotRead) {
+  Stand stand;
+  const Geometry ball = sphere(8, 10);
+  for (int i = 0; i < 128; ++i) stand.add(ball, at({4.0 * (i % 16), 4.0 * (i / 16), 0}));
+  const std::vector<Ray> rays = {
+      {{0.1, 0.2, 5.0}}, {{4.1, 0.2, 5.0}}, {{0.1, -5.0, 0.1}, {0, 1, 0}}};
+  for (int frame = 0; frame < 3; ++frame) {
+    const Watched watched(stand.hierarchy());
+    const kdtree::KdTree tree(watched, {}, pool(2));
+    EXPECT_EQ(stand.differences(tree, rays), "") << frame;
+    const std::size_t read = looked_into(watched).size();
+    EXPECT_GT(read, 1u) << frame;
+    EXPECT_LT(read, 48u) << frame;
+    // All deform; the boxes of all are new.
+    const double size = 1.2 + 0.1 * frame;
+    for (std::uint32_t mesh = 0; mesh < 128; ++mesh)
+      stand.scene.set_vertices(mesh,
+                               ball.mapped([&](const Vec3d& p) { return size * p; }).vertices);
+  }
 }
 
 TEST(StructureChoice, CountsWhatIsInTheWindow) {
