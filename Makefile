@@ -20,12 +20,12 @@ lint: setup-test ## ruff, mypy and clang-format, changing nothing
 	$(bin)/ruff check .
 	$(bin)/ruff format --check .
 	$(bin)/mypy
-	clang-format --dry-run -Werror $(cpp_files)
+	@clang-format --dry-run -Werror $(cpp_files)
 
 format: setup-test ## rewrite Python and C++ in the project's style
 	$(bin)/ruff check --fix .
 	$(bin)/ruff format .
-	clang-format -i $(cpp_files)
+	@clang-format -i $(cpp_files)
 
 native: setup-test ## the native tests: optimised, address and undefined-behaviour, threads
 	@for preset in $(native_presets); do \
