@@ -116,7 +116,7 @@ void Blas::bound(const Mesh& mesh, Executor& executor) {
 }
 
 bool Blas::postpone(const Mesh& mesh, Executor& executor) {
-  if (!tree_.exists() || revived(mesh)) return false;
+  if (!tree_.exists() || revived(mesh) || is_nothing(mesh)) return false;
   std::optional<Aabb> box;
   if (hangs_on_all_vertices(mesh)) box = vertex_bounds(mesh.vertices, executor);
   if (box) {
@@ -128,6 +128,13 @@ bool Blas::postpone(const Mesh& mesh, Executor& executor) {
       mesh, prims.size(), [&](std::size_t i) { return prims[i]; }, executor);
   note_bounds(mesh, all.box, all.lost);
   return true;
+}
+
+/// Whether no triangle of the tree can be hit: an update may then leave no tree at all.
+bool Blas::is_nothing(const Mesh& mesh) const {
+  const std::span<const std::uint32_t> prims = this->prims();
+  return std::all_of(prims.begin(), prims.end(),
+                     [&](std::uint32_t t) { return is_degenerate(mesh, t); });
 }
 
 /// Whether the box of its triangles is that of the mesh's vertices.

@@ -30,7 +30,8 @@ class Blas {
 
   /// Only bounds the mesh, exactly as `update` would; its tree is behind until `update` is called,
   /// which takes all motion since the last time together.
-  /// @return false if the tree lacks a triangle that can be hit now: then nothing was done.
+  /// @return false if the tree lacks a triangle that can be hit now, or has none left: then nothing
+  /// was done.
   bool postpone(const Mesh& mesh, Executor& executor);
 
   bool exists() const { return exists_; }
@@ -68,6 +69,7 @@ class Blas {
   void measure(const Mesh& mesh, Executor& executor);
   void note_bounds(const Mesh& mesh, const Aabb& bounds, std::uint32_t lost);
   bool revived(const Mesh& mesh) const;
+  bool is_nothing(const Mesh& mesh) const;
   bool hangs_on_all_vertices(const Mesh& mesh);
 
   KeptTree tree_;

@@ -241,6 +241,22 @@ TEST(LateMeshes, ATriangleThatComesToLifeIsNotWaitedWith) {
   EXPECT_EQ(stage.late_updates(), 0u);
 }
 
+TEST(LateMeshes, OneOfWhichNothingIsLeftIsNotWaitedWith) {
+  for (const Policy policy : every_policy) {
+    Stage stage;
+    stage.policy = policy;
+    stage.frame();
+    stage.leave();
+    const std::size_t count = stage.scene.meshes()[stage.far].vertices.size();
+    stage.scene.set_vertices(stage.far, std::vector<Vec3>(count, Vec3(1.0f)));
+    EXPECT_FALSE(is_left_behind(stage.update(policy)));
+    EXPECT_EQ(stage.differences(), "");
+    stage.bend();
+    stage.update(policy);
+    EXPECT_EQ(stage.differences(), "");
+  }
+}
+
 TEST(LateMeshes, WhatIsBehindMayBeHiddenShownChangedBakedAndRemoved) {
   Stage stage;
   stage.leave();
