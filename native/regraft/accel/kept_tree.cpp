@@ -53,7 +53,8 @@ void TreeWork::add(const TreeWork& other) {
 
 TreeUpdate KeptTree::choose(bool topology_changed, bool moved, const Tending& how) const {
   TreeState state;
-  state.exists = exists_;
+  // There is nothing to mend in a tree of nothing.
+  state.exists = exists_ && tree_.bvh.node_count() > 0;
   state.topology_changed = topology_changed || wide_.width() != how.width;
   state.moved = moved;
   state.habit = habit_;
