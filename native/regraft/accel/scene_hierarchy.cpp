@@ -150,6 +150,9 @@ HierarchyEntry SceneHierarchy::triangle_entry(std::uint32_t instance, std::uint3
     return {fast_triangle_bounds(*place.mesh, prim).aabb(), 1.0, instance, primitive, prim};
   Vec3d corner[3];
   corners(place, prim, corner);
+  // One that cannot be hit is nowhere, rather than where its finite corners are.
+  const Vec3d sum = corner[0] + corner[1] + corner[2];
+  if (!std::isfinite(sum.x + sum.y + sum.z)) return {{}, 1.0, instance, primitive, prim};
   Extent extent;
   for (const Vec3d& p : corner) {
     extent.lo = glm::min(extent.lo, p);

@@ -12,17 +12,17 @@ bool precedes(const PrimRef& a, const PrimRef& b) {
   return a.object != b.object ? a.object < b.object : a.prim < b.prim;
 }
 
-/// All primitives below the entries.
+/// All primitives below the entries that are anywhere.
 std::vector<HierarchyEntry> primitives_below(const HierarchyView& view,
                                              std::vector<HierarchyEntry> stack) {
   std::vector<HierarchyEntry> found;
   while (!stack.empty()) {
     const HierarchyEntry entry = stack.back();
     stack.pop_back();
-    if (entry.primitive())
-      found.push_back(entry);
-    else
+    if (!entry.primitive())
       view.open(entry, stack);
+    else if (!entry.box.empty())
+      found.push_back(entry);
   }
   return found;
 }
