@@ -48,6 +48,7 @@ def test_a_scene_is_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(lazy, "REPEATS", 1)
     rows = list(lazy.measure(shot_in(tmp_path), 24, 1, lambda _: None))
     assert len(rows) == lazy.steps()
+    assert min(r["bvh_nodes"] for r in rows) > 100, "the BVH's first picture builds it"
     seen = [r for r in rows if r["axis"] == "seen"]
     hidden = [r for r in rows if r["axis"] == "hidden"]
     assert np.all(np.diff([r["triangles_seen"] for r in seen[1:]]) < 0)

@@ -32,38 +32,34 @@ def steps() -> int:
 
 def measure(shot: Shot, side: int, threads: int, tick: Callable[[object], None]) -> Iterator[Row]:
     """A row for each window and for each number of copies; the first frame only."""
+    stage = _Stage(shot, threads)
     for zoom in ZOOMS:
-        yield {
-            "axis": "seen",
-            "zoom": zoom,
-            "copies": 1,
-            **_first_picture(shot, side, threads, zoom, 1),
-        }
+        yield {"axis": "seen", "zoom": zoom, "copies": 1, **_first_picture(stage, side, zoom, 1)}
         tick(f"window × {zoom:g}")
     for copies in COPIES:
-        yield {
-            "axis": "hidden",
-            "zoom": ZOOMS[1],
-            "copies": copies,
-            **_first_picture(shot, side, threads, ZOOMS[1], copies),
-        }
+        row = {"axis": "hidden", "zoom": ZOOMS[1], "copies": copies}
+        yield row | _first_picture(stage, side, ZOOMS[1], copies)
         tick(f"{copies} copies")
 
 
-def _first_picture(shot: Shot, side: int, threads: int, zoom: float, copies: int) -> Row:
+def _first_picture(stage: _Stage, side: int, zoom: float, copies: int) -> Row:
     """Medians over scenes made anew; the second picture finds the tree built."""
     times: dict[str, list[float]] = {}
     found: Row = {}
+    camera = stage.camera(zoom)
     for _ in range(REPEATS):
         for structure in ("kdtree", "bvh"):
-            mirror, camera = _scene(shot, threads, zoom, copies)
-            update_ms = mirror.update(policy="rebuild", structure=structure).update_ms
+            mirror = stage.scene(copies)
+            done = mirror.update(policy="rebuild", structure=structure)
+            update_ms = done.update_ms
             first = mirror.render(camera, side, side, shading="clay").statistics
             again = mirror.render(camera, side, side, shading="clay").statistics
             spent = first.trace_ms + first.shade_ms
             times.setdefault(f"{structure}_first_ms", []).append(update_ms + spent)
             times.setdefault(f"{structure}_again_ms", []).append(again.trace_ms + again.shade_ms)
-            if structure == "kdtree" and not found:
+            if structure == "bvh":
+                found["bvh_nodes"] = done.nodes_rebuilt
+            elif not found:
                 found = _counts(mirror, camera, side, first)
     return found | {name: quartiles(values)[1] for name, values in times.items()}
 
@@ -81,20 +77,31 @@ def _counts(mirror: Mirror, camera: regraft.Camera, side: int, first: Any) -> Ro
     }
 
 
-def _scene(shot: Shot, threads: int, zoom: float, copies: int) -> tuple[Mirror, regraft.Camera]:
-    mirror = Mirror(regraft.Scene(threads=threads))
-    shot.apply(0, mirror)
-    mirror.update()
-    bounds = mirror.bounds()
-    camera = shot.camera(0)
-    if camera.kind != "perspective":
-        corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T
-        camera = regraft.camera.frame_points(corners, 1.0)
-    behind = camera.matrix[:3, 2]  # it looks along -Z
-    for i in range(1, copies):
-        mirror.add_copy(_moved(behind * 4.0 * i * np.linalg.norm(np.ptp(bounds, axis=0))))
-    window = tuple(zoom * value for value in camera.window)
-    return mirror, replace(camera, window=window)
+class _Stage:
+    """The first frame: scenes in which nothing is built yet, and a camera."""
+
+    def __init__(self, shot: Shot, threads: int) -> None:
+        self._shot, self._threads = shot, threads
+        whole = self.scene(1)
+        whole.update()
+        self._bounds = whole.bounds()
+        self._camera = shot.camera(0)
+        if self._camera.kind != "perspective":
+            corners = np.array(np.meshgrid(*self._bounds.T)).reshape(3, -1).T
+            self._camera = regraft.camera.frame_points(corners, 1.0)
+
+    def camera(self, zoom: float) -> regraft.Camera:
+        return replace(self._camera, window=tuple(zoom * x for x in self._camera.window))
+
+    def scene(self, copies: int) -> Mirror:
+        """With that many of everything, all but one behind the eye."""
+        mirror = Mirror(regraft.Scene(threads=self._threads))
+        self._shot.apply(0, mirror)
+        for i in range(1, copies):
+            behind = self._camera.matrix[:3, 2]  # it looks along -Z
+            size = np.linalg.norm(np.ptp(self._bounds, axis=0))
+            mirror.add_copy(_moved(behind * 4.0 * i * size))
+        return mirror
 
 
 def _moved(by: Numbers) -> Numbers:
