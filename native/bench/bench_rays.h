@@ -69,6 +69,29 @@ inline void fill(const RaySet& set, std::size_t p, trace::RayPacket& rays) {
   }
 }
 
+/// Traces rays [begin, end), which are whole groups, 64 together or one by one.
+/// @return how many hit something.
+inline std::size_t shoot(const trace::Tracer& tracer, bool packets, const RaySet& set,
+                         std::size_t begin, std::size_t end, trace::TraceCounters& counters) {
+  trace::RayPacket rays;
+  trace::HitPacket hits;
+  std::size_t sum = 0;
+  for (std::size_t p = begin / 64; p < end / 64; ++p) {
+    fill(set, p, rays);
+    if (set.any) {
+      sum += std::size_t(__builtin_popcountll(packets ? tracer.any_hit(rays, counters)
+                                                      : tracer.any_hit_single(rays, counters)));
+      continue;
+    }
+    if (packets)
+      tracer.closest_hit(rays, hits, counters);
+    else
+      tracer.closest_hit_single(rays, hits, counters);
+    for (int i = 0; i < 64; ++i) sum += hits.prim_id[i] != invalid_id;
+  }
+  return sum;
+}
+
 /// Shadow rays towards a lamp, and rays of ambient occlusion in random directions of the upper
 /// half space, from where `primary` hits `mesh`.
 struct SecondaryRays {

@@ -60,28 +60,6 @@ struct Ours {
   }
 };
 
-std::size_t shoot(const trace::Tracer& tracer, bool packets, const RaySet& set, std::size_t begin,
-                  std::size_t end) {
-  trace::RayPacket rays;
-  trace::HitPacket hits;
-  trace::TraceCounters counters;
-  std::size_t sum = 0;
-  for (std::size_t p = begin / 64; p < end / 64; ++p) {
-    bench::fill(set, p, rays);
-    if (set.any) {
-      sum += std::size_t(__builtin_popcountll(packets ? tracer.any_hit(rays, counters)
-                                                      : tracer.any_hit_single(rays, counters)));
-      continue;
-    }
-    if (packets)
-      tracer.closest_hit(rays, hits, counters);
-    else
-      tracer.closest_hit_single(rays, hits, counters);
-    for (int i = 0; i < 64; ++i) sum += hits.prim_id[i] != invalid_id;
-  }
-  return sum;
-}
-
 #ifdef REGRAFT_WITH_EMBREE
 void add_embree(const Triangles& mesh, unsigned threads, std::vector<Contender>& contenders) {
   for (const bool robust : {true, false})
@@ -188,7 +166,8 @@ void race_scene(const std::string& name, const Triangles& mesh, const Options& o
   for (const bool packets : {true, false})
     contenders.push_back({packets ? "regraft packets" : "regraft single",
                           [&, packets](const RaySet& set, std::size_t begin, std::size_t end) {
-                            return shoot(tracer, packets, set, begin, end);
+                            trace::TraceCounters counters;
+                            return bench::shoot(tracer, packets, set, begin, end, counters);
                           }});
 #ifdef REGRAFT_WITH_EMBREE
   add_embree(mesh, options.threads, contenders);

@@ -75,23 +75,8 @@ class Ours final : public Contender {
   }
   std::size_t shoot(const RaySet& set, bool packets, std::size_t begin, std::size_t end) override {
     const trace::Tracer tracer = this->tracer();
-    trace::RayPacket rays;
-    trace::HitPacket hits;
     trace::TraceCounters counters;
-    std::size_t sum = 0;
-    for (std::size_t p = begin / 64; p < end / 64; ++p) {
-      bench::fill(set, p, rays);
-      if (set.any) {
-        sum += std::size_t(__builtin_popcountll(packets ? tracer.any_hit(rays, counters)
-                                                        : tracer.any_hit_single(rays, counters)));
-        continue;
-      }
-      if (packets)
-        tracer.closest_hit(rays, hits, counters);
-      else
-        tracer.closest_hit_single(rays, hits, counters);
-      for (int i = 0; i < 64; ++i) sum += hits.prim_id[i] != invalid_id;
-    }
+    const std::size_t sum = bench::shoot(tracer, packets, set, begin, end, counters);
     if (packets) note(counters);
     return sum;
   }
