@@ -170,6 +170,21 @@ TEST(Accelerator, ABakedInstanceThatWasNothingIsTakenInWhenItIsSomething) {
   }
 }
 
+TEST(Accelerator, ABakedInstanceThatStaysNothingIsNotMended) {
+  for (const Policy policy : all_policies) {
+    Tended t;
+    add(t.scene, sphere(4, 6), at(5, 0, 0));
+    const std::uint32_t square = add_mesh(t.scene, floor_grid(2, 1.0f));
+    const std::uint32_t id = add_instance(t.scene, square, scale(0, 1, 1));
+    for (int frame = 0; frame < 4; ++frame) {
+      t.accelerator.note_rays(100'000'000);
+      t.update(policy);
+      EXPECT_EQ(t.differences(), "");
+      t.scene.set_transform(id, scale(0, 2 + frame, 1));
+    }
+  }
+}
+
 TEST(Accelerator, ABakedInstanceWhoseTreeIsRebuiltChangesTheFlatTree) {
   Tended t;
   const Geometry g = soup(60, 5, 1.0, 0.4);

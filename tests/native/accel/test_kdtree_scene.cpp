@@ -126,6 +126,17 @@ TEST(KdtreeScene, MeshesThatNoRayComesNearAreBoundedAndNotRead) {
   }
 }
 
+TEST(KdtreeScene, TrianglesThatCannotBeHitAreInNoCellWhereverTheirOtherCornersAre) {
+  Row row;
+  Geometry holed = floor_grid(20, 40.0f);
+  for (std::size_t v = 0; v < holed.vertices.size(); v += 7) holed.vertices[v].z = nan;
+  row.scene.set_vertices(row.floor, holed.vertices);
+  row.update();
+  EXPECT_EQ(row.differences(6), "");
+  row.tree().complete(pool(2));
+  EXPECT_EQ(row.accelerator.validate(row.scene), "");
+}
+
 TEST(StructureChoice, CountsWhatIsInTheWindow) {
   Scene scene;
   const std::uint32_t ball = add_mesh(scene, sphere(16, 16));
