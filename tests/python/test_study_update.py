@@ -154,3 +154,13 @@ def test_a_hopeless_policy_is_given_up(tmp_path: Path, monkeypatch: pytest.Monke
     rows = list(update.measure(made, SMALL, lambda *_: None))
     assert [(r["repeat"], r["frame"]) for r in rows if r["policy"] == "refit"] == [(0, 1), (0, 2)]
     assert sum(r["policy"] == "auto" for r in rows) == 8
+
+
+def test_a_verdict_for_refit_does_not_call_it_not_enough_as_well() -> None:
+    rows = shot(
+        refit=(2.0, [10, 10, 10, 13]), rebuild=(50.0, [10, 10, 10, 10]), auto=(9.0, [10] * 4)
+    )
+    said = update_verdict.sentence(update.totals(rows))
+    assert said.startswith("refit keeps this shot within 1.30× of a fresh tree")
+    assert "not enough" not in said
+    assert "choose refit" in said

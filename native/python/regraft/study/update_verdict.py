@@ -39,7 +39,9 @@ def sentence(rows: Sequence[Row]) -> str:
             "of the time of tracing in this shot: any policy will do, leave it on auto."
         )
     chosen = choose(rows)
-    return "; ".join(filter(None, (_of_chosen(chosen), _of_refit(rows), _advice(chosen, rows))))
+    # Of refit all is said where it is the choice.
+    of_refit = _of_refit(rows) if chosen["policy"] != "refit" else ""
+    return "; ".join(filter(None, (_of_chosen(chosen), of_refit, _advice(chosen, rows))))
 
 
 def _of_chosen(row: Row) -> str:
