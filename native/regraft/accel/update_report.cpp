@@ -100,14 +100,7 @@ void Accelerator::State::list_left_out(const Scene& scene, const ChangeSet& chan
 UpdateStatistics Accelerator::State::unchanged(const UpdateOptions& options) const {
   UpdateStatistics s = last;
   s.policy = name(options.policy);
-  s.update_ms = 0.0;
-  s.moved_instances = s.deformed_meshes = s.deformed_triangles = 0;
-  s.nodes_refitted = s.nodes_rebuilt = s.pairs_considered = s.pairs_restructured = 0;
-  s.predicted_benefits = s.realised_savings = {};
-  s.select_ms = 0.0;
-  s.late_updates = 0;
-  s.late_update_ms = 0.0;
-  s.left_out = {"nothing changed: no update"};
+  s.clear_work("nothing changed: no update");
   return s;
 }
 

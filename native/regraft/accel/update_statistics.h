@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace regraft::accel {
@@ -38,6 +39,15 @@ struct UpdateStatistics {
   std::uint64_t memory_bytes = 0;
   std::vector<std::string> left_out;
   std::vector<std::string> warnings;
+
+  /// Keeps what trees are like: nothing was done, and `reason` says so.
+  void clear_work(std::string reason) {
+    update_ms = select_ms = late_update_ms = 0.0;
+    moved_instances = deformed_meshes = deformed_triangles = 0;
+    nodes_refitted = nodes_rebuilt = pairs_considered = pairs_restructured = late_updates = 0;
+    predicted_benefits = realised_savings = {};
+    left_out = {std::move(reason)};
+  }
 };
 
 }  // namespace regraft::accel

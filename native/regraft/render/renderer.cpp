@@ -68,14 +68,7 @@ void list_left_out(const shade::PictureShading& picture, const LoopTally& tally,
 
 /// Statistics of an update that a frame has already answered for.
 accel::UpdateStatistics reported(accel::UpdateStatistics s) {
-  s.update_ms = 0.0;
-  s.moved_instances = s.deformed_meshes = s.deformed_triangles = 0;
-  s.nodes_refitted = s.nodes_rebuilt = s.pairs_considered = s.pairs_restructured = 0;
-  s.predicted_benefits = s.realised_savings = {};
-  s.select_ms = 0.0;
-  s.late_updates = 0;
-  s.late_update_ms = 0.0;
-  s.left_out = {"nothing changed since the last frame: no update"};
+  s.clear_work("nothing changed since the last frame: no update");
   return s;
 }
 
